@@ -17,7 +17,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
-from fieldkit.quantities import measure
+from fieldkit.quantities import significant
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
@@ -102,9 +102,8 @@ def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tu
         complain(f"note: {named}; change with --config")
     flight, filled = with_build(ledger, flight, given)
     if filled:
-        values = [
-            f"{BY_NAME[one].title.lower()} {measure(BY_NAME[one], flight.number(one), system())}" for one in filled
-        ]
+        known = [(BY_NAME[one], value) for one in filled if (value := flight.number(one)) is not None]
+        values = [f"{column.title.lower()} {significant(column, value, system())}" for column, value in known]
         options = " and ".join(f"--{one.replace('_', '-')}" for one in filled)
         complain(f"note: filled in {', '.join(values)}; change with {options}")
     return flight, filled

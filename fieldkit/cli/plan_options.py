@@ -22,7 +22,7 @@ from fieldkit.flight.recovery import (
     stability,
 )
 from fieldkit.paths import data_file
-from fieldkit.quantities import in_system, measure
+from fieldkit.quantities import in_system, significant
 from fieldkit.services.names import same_name
 from fieldkit.settings import read_settings
 
@@ -105,7 +105,7 @@ def remember(ledger: "Ledger", motors: "Catalogue", plans: "Sequence[Flight]") -
         for one in keep_bodies(ledger, stated):
             body = one.weighed_mass, one.measured_diameter
             figures = [
-                f"{BY_NAME[name].title.lower()} {measure(BY_NAME[name], value, system())}"
+                f"{BY_NAME[name].title.lower()} {significant(BY_NAME[name], value, system())}"
                 for name, value in zip(BODY, body, strict=True)
                 if value is not None
             ]

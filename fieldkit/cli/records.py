@@ -17,7 +17,7 @@ from fieldkit.flight.event_names import event_title
 from fieldkit.flight.limits import check_name
 from fieldkit.flight.short_name import flight_label
 from fieldkit.presentation.export import document
-from fieldkit.quantities import counted, in_system, measure, with_sd
+from fieldkit.quantities import counted, in_system, measure, significant, with_sd
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -75,8 +75,8 @@ def _in_words(one: "Configuration") -> str:
     mass = one.dry_mass if one.weighed_mass is None else one.weighed_mass
     diameter = one.diameter if one.measured_diameter is None else one.measured_diameter
     figures = [
-        f"dry mass {measure(BY_NAME['dry_mass'], mass, system())}" if mass is not None else "",
-        f"diameter {measure(BY_NAME['diameter'], diameter, system())}" if diameter is not None else "",
+        f"dry mass {significant(BY_NAME['dry_mass'], mass, system())}" if mass is not None else "",
+        f"diameter {significant(BY_NAME['diameter'], diameter, system())}" if diameter is not None else "",
         f"Cd {one.cd:.2f} of {one.source}" if one.cd else "",
     ]
     return f"{one.rocket} {one.config}".strip() + ": " + ", ".join(filter(None, figures))

@@ -28,7 +28,7 @@ def masses(run: Run) -> list[object]:
 @pytest.mark.parametrize("command", [["predict"], ["delay"], ["landing", "--wind", "2m/s"]], ids=lambda one: one[0])
 def test_a_rocket_planned_by_a_command_is_known_when_its_flight_is_added(run: Run, command: list[str]) -> None:
     saved = run(*command, *STATED, *BODY).err
-    assert "saved dry mass 80 g and diameter 42 mm of Bertha" in " ".join(saved.split())
+    assert "saved dry mass 80 g and diameter 41.6 mm of Bertha" in " ".join(saved.split())
     added = " ".join(run("add", *STATED, "--apogee", "420ft").err.split())
     assert "excluded" not in added
     (flight,) = run("flights", "--json").document["flights"]
@@ -38,7 +38,7 @@ def test_a_rocket_planned_by_a_command_is_known_when_its_flight_is_added(run: Ru
 
 def test_a_rocket_with_only_a_plan_can_be_planned_again_and_is_listed(run: Run) -> None:
     run("predict", *STATED, *BODY)
-    assert "Bertha: dry mass 80 g, diameter 42 mm" in run("flights", "--rocket", "Bertha").out
+    assert "Bertha: dry mass 80 g, diameter 41.6 mm" in run("flights", "--rocket", "Bertha").out
     assert run("predict", *STATED, "--json").document["predictions"][0]["flights"] == 0
     assert "rocket Bertha" in run("undo").out
     assert "--dry-mass" in run("predict", *STATED, status=1).err
