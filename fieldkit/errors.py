@@ -42,6 +42,11 @@ def unknown(kind: str, typed: str, known: Iterable[str]) -> str:
     return f"no {kind} {typed!r}, expected one of: {', '.join(names)}" if names else f"no {kind} {typed!r} yet"
 
 
+def of_rocket(rocket: str, text: str) -> str:
+    """A message about a rocket, after its name if it has one."""
+    return f"{rocket}: {text}" if rocket else text
+
+
 class FieldkitError(Exception):
     """A problem that the flyer can fix; its `str()` is the complete message, in one line unless it lists matches."""
 

@@ -13,7 +13,7 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
-from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.errors import NoFlights, UnknownMotor, of_rocket
 from fieldkit.messages import fine, message
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
@@ -359,7 +359,7 @@ def print_quick_guide(
     from fieldkit.presentation.quick_look import EVALUATION
 
     if not plan.rocket.history:
-        raise NoFlights(f"{plan.flight.rocket}: found no flights, expected at least one for a quick forecast")
+        raise NoFlights(of_rocket(plan.flight.rocket, "found no flights, expected at least one for a quick forecast"))
     found = sorted_quickly(quick_guide(plan.rocket, plan.flight, motors), order, plan.limits)
     if json:
         document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": order.target}

@@ -14,7 +14,7 @@ from fieldkit.cli.options import dashed
 from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import complain, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.errors import NoFlights, UnknownMotor, of_rocket
 from fieldkit.flight.site import Site
 from fieldkit.paths import data_file
 from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck, short_safety_text
@@ -53,7 +53,7 @@ class PlanContext:
         """
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
-            raise UnknownMotor(f"{self.flight.rocket}: found no flights to take a motor from, expected --motor")
+            raise UnknownMotor(of_rocket(self.flight.rocket, "found no flights to take a motor from, expected --motor"))
         found = self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
         for note in found.notes:
             complain(f"note: {note}")

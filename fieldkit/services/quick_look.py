@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fieldkit.errors import NoFlights
+from fieldkit.errors import NoFlights, of_rocket
 from fieldkit.flight import Flight
 from fieldkit.forecast.at_once import prepare_at_once
 from fieldkit.forecast.prediction import Prediction
@@ -68,7 +68,7 @@ def predict_quickly(
     for plan, whole in zip(plans, completed(ledger, motors, plans), strict=True):
         history = flown(ledger, motors, plan.rocket)
         if not history:
-            raise NoFlights(f"{plan.rocket}: found no flights, expected at least one for a quick forecast")
+            raise NoFlights(of_rocket(plan.rocket, "found no flights, expected at least one for a quick forecast"))
         before = [flight for flight, _ in history]
         found = motors.resolve(plan.motor)
         shared = fleet_prior(ledger, motors, plan.rocket, on_progress)

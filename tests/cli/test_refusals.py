@@ -37,6 +37,13 @@ def filled(run: Run, tmp_path: Path) -> Run:
     return run
 
 
+@pytest.mark.parametrize("words", [["predict", "--quick"], ["predict"], ["delay"], ["landing"], ["loop"]], ids=str)
+def test_without_a_flight_or_a_rocket_the_refusal_begins_with_a_word(run: Run, words: list[str]) -> None:
+    plan = ["--motor", "A8-3", "--dry-mass", "100g"] if words[0] != "loop" else []
+    printed = run(*words, *plan, status=None)
+    assert all(line[0] not in ":," for line in (printed.out + printed.err).splitlines() if line)
+
+
 def test_a_forecast_that_cannot_be_saved_is_still_printed(filled: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a full or read-only disk a flyer still needs it, and learns that it is not saved."""
 
