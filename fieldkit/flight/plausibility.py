@@ -25,6 +25,12 @@ The device averages the acceleration over the burn and net of gravity, so the ra
 flights in one ledger, all but one were within 0.905 to 1.055.
 """
 
+DESCENT = (0.8, 1.25)
+"""Range of ejection altitude over (descent speed × time from ejection to landing); outside it, a value is mistyped. [1]
+
+The device averages the speed from ejection to landing, so the ratio is 1 except for rounding and for the fall before
+the parachute opens. Of 52 flights in one journal, all were within 0.94 to 1.21.
+"""
 
 PLAUSIBLE_RATIO = (0.5, 2.0)
 """Range of a readout over the median for the same rocket and motor; outside it, a value is mistyped. [1]
@@ -232,6 +238,18 @@ def identity(flight: Flight) -> float | None:
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
 
 
+def descent_ratio(flight: Flight) -> float | None:
+    """Ejection altitude over descent speed times the time from ejection to landing, infinite if no time is left, or
+    None if one of them was not read off the altimeter. [1]"""
+    rise = (flight.burn_time, flight.coast_to_apogee, flight.apogee_to_eject)
+    if None in rise or not (flight.eject_altitude and flight.descent_speed and flight.duration):
+        return None
+    if flight.source.get("descent_speed", "typed") != "typed":  # another device may average over another part
+        return None
+    sinking = flight.duration - sum(time for time in rise if time is not None)
+    return flight.eject_altitude / (flight.descent_speed * sinking) if sinking > 0 else math.inf
+
+
 def middles(flights: Iterable[Flight]) -> dict[str, float]:
     """Median of each readout over the flights without anomaly tags, except readouts around zero. [SI]"""
     clean = [flight for flight in flights if flight.clean]
@@ -251,6 +269,9 @@ def doubts(
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
         found.append(inconsistent_speed(flight, ratio))
+    sinking = descent_ratio(flight)
+    if sinking is not None and not DESCENT[0] <= sinking <= DESCENT[1]:
+        found.append(inconsistent_descent(flight, sinking))
     for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
@@ -267,6 +288,21 @@ def inconsistent_speed(flight: Flight, ratio: float) -> TextWithAmounts:
     acceleration = of_column(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
     burn = of_column(BY_NAME["burn_time"], flight.burn_time or 0.0)
     return message(f"top speed looks {100 * off:.0f}% {way} for {acceleration} over {burn}; check all three")
+
+
+def inconsistent_descent(flight: Flight, ratio: float) -> TextWithAmounts:
+    """A phrase for an ejection altitude that differs from descent speed times the time left; `ratio` is
+    `descent_ratio(flight)` [1].
+    """
+    duration = of_column(BY_NAME["duration"], flight.duration or 0.0)
+    if ratio == math.inf:
+        return message(f"a duration of {duration} leaves no time after ejection; check the times")
+    off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
+    ejected, speed = (
+        of_column(BY_NAME[name], flight.number(name) or 0.0) for name in ("eject_altitude", "descent_speed")
+    )
+    looks = f"ejection altitude {ejected} looks {100 * off:.0f}% {way} for a descent at {speed}"
+    return message(f"{looks} in a duration of {duration}; check these and the times")
 
 
 def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[TextWithAmounts]:

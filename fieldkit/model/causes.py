@@ -18,6 +18,7 @@ from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compa
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
+from fieldkit.units import STANDARD_GRAVITY
 
 LOG_SD = 0.7
 """Standard deviation of the log strength of a cause: half of the strengths are 0.6 to 1.6 times the median, one in a
@@ -30,6 +31,13 @@ DEGREES_OF_LAUNCH_ANGLE = 5.0
 """Launch angle of one unit of `tilt`, which is its square. [deg]"""
 EJECT_ERROR = 5.0
 """Error of a misread time to ejection, relative to the log ratio of any other readout. [s]"""
+
+_DESCENT_MIDDLE, _DESCENT_SCALE, _DESCENT_TAIL = 0.06, 0.08, 2.0
+"""Middle, scale and degrees of freedom of the Student t of the log ratio of an apogee to the height that the way down
+took: the rocket first falls, and a parachute that opens late or in stages makes the tail. Of 53 flights in one journal,
+half were within 0.04 to 0.12 and nine in ten within -0.04 to 0.39. [1]"""
+_LARGEST_DESCENT_RATIO = 3.0
+"""Largest log ratio that counts. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +112,7 @@ def signatures(
     Raises ImpossibleFlight for a flight without a dry mass.
     """
     usable = seen & np.isfinite(values)
-    found = [*_simulated(model, at, values), *_ejections(model, at, values), *_misread(usable)]
+    found = [*_simulated(model, at, values), *_ejections(model, at, values), *_misread(model, usable)]
     every = Signatures(*(np.concatenate([getattr(one, name) for one in found]) for name in Signatures.__slots__))
     shift, spread = (np.where(usable, part, 0.0) for part in (every.shift, every.spread))
     flies = np.isfinite(shift).all(axis=-1) & (shift != 0).any(axis=-1)
@@ -163,17 +171,46 @@ def _ejections(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
     ]
 
 
-def _misread(usable: Flags) -> list[Signatures]:
-    """A misread readout, any of those that the flight has."""
+def _misread(model: Model, usable: Flags) -> list[Signatures]:
+    """A misread readout, any of those that the flight has. With the right one the way down took the height that the
+    flight reached, so what it says of each error is a part of the prior: no other cause changes it."""
     found = []
     share = -np.log(np.maximum(usable.sum(axis=1), 1))
-    for column, logarithmic in enumerate(IS_LOGARITHMIC.tolist()):
+    known = {name: model.history.column(name) for name in _WAY_DOWN}
+    as_read = _log_descent(known)
+    for column, (name, logarithmic) in enumerate(zip(OBSERVED_READOUTS, IS_LOGARITHMIC.tolist(), strict=True)):
         for side in (1, -1):
             error = side * CAUSES["misread"].median * np.exp(MISREAD_LOG_SD * _STEPS)
             error = error if logarithmic else error * EJECT_ERROR
             log_prior = _normal(_STEPS)[:, None] + share - np.log(2)
+            if name in known:
+                by, shown = error[:, None], known[name]
+                log_prior = (
+                    log_prior
+                    + _log_descent(known | {name: shown / np.exp(by) if logarithmic else shown - by})
+                    - as_read
+                )
             found.append(_row("misread", error[:, None], _one_readout(column, error, usable), log_prior))
     return found
+
+
+_WAY_DOWN = ("apogee", "burn_time", "coast_to_apogee", "apogee_to_eject", "descent_speed", "duration")
+
+
+def _log_descent(known: Mapping[str, Array]) -> Array:
+    """Log density of the height that the way down took, beside the apogee, up to a constant; 0 for flights without one
+    of the readouts of `_WAY_DOWN`.
+
+    The way down is free fall from apogee to ejection, then descent at the speed that the device averages. A charge
+    without a recorded time fires at apogee. [nat]
+    """
+    apogee, burn, coast, eject, speed, duration = (known[name] for name in _WAY_DOWN)
+    after = np.nan_to_num(eject)
+    sinking = speed * np.maximum(duration - burn - coast - after, 0.0)
+    with np.errstate(divide="ignore"):
+        ratio = np.log(apogee / (sinking + STANDARD_GRAVITY / 2 * np.maximum(after, 0.0) ** 2))
+    off = (np.clip(ratio, -_LARGEST_DESCENT_RATIO, _LARGEST_DESCENT_RATIO) - _DESCENT_MIDDLE) / _DESCENT_SCALE
+    return np.nan_to_num(-(_DESCENT_TAIL + 1) / 2 * np.log1p(off**2 / _DESCENT_TAIL))
 
 
 def _normal(steps: Float[Array, "strength"]) -> Float[Array, "strength"]:

@@ -16,7 +16,7 @@ from fieldkit import units
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight import Flight
 from fieldkit.flight.limits import LIMITS
-from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible, not_measured
+from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, doubts, implausible, not_measured
 from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
@@ -179,6 +179,35 @@ def test_no_command_fails_unexpectedly_at_the_first_and_last_dates(
         if session.named(words) not in WITHOUT_A_LEDGER:
             run_command(rows=rows)
             run_command(*words)
+
+
+DOWN = GOOD.with_changes(
+    burn_time=2.0,
+    coast_to_apogee=6.0,
+    apogee_to_eject=1.0,
+    eject_altitude=245.0,
+    descent_speed=5.0,
+    duration=58.0,
+)
+"""A way down of 49 s at 5 m/s from 245 m."""
+
+
+@pytest.mark.parametrize(
+    ("changes", "phrase"),
+    [
+        ({}, ""),
+        ({"eject_altitude": 230.0}, ""),
+        ({"eject_altitude": 145.0, "apogee": 146.0}, "looks 41% low for a descent at"),
+        ({"descent_speed": 2.2}, "looks 127% high for a descent at"),
+        ({"duration": 158.0}, "looks 67% low for a descent at"),
+        ({"duration": 5.8}, "leaves no time after ejection"),
+        ({"duration": None}, ""),
+        ({"duration": 158.0, "source": {"descent_speed": "baro"}}, ""),
+    ],
+)
+def test_a_way_down_that_contradicts_itself_is_questioned(changes: dict[str, object], phrase: str) -> None:
+    found = [str(one) for one in doubts(DOWN.with_changes(**changes))]
+    assert [phrase in one for one in found] == [True] * bool(phrase)
 
 
 def test_a_ratio_to_the_usual_is_written_in_digits(run_command: Run) -> None:

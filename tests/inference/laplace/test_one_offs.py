@@ -18,6 +18,7 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.history import history_of
 from fieldkit.shapes import Array
+from fieldkit.units import STANDARD_GRAVITY
 
 pytestmark = pytest.mark.fast
 
@@ -105,6 +106,31 @@ def test_a_misread_speed_is_a_misread_speed() -> None:
     assert found.normal[2] < 0.2
     assert likeliest(found, 2) == "misread"
     assert found.strength[2, NAMES.index("misread")] == pytest.approx(np.log(1.609), abs=0.15)
+
+
+def landed(flight: Flight, apogee: float) -> Flight:
+    """A flight that fell to its ejection and came down at 5 m/s, from this height [m]."""
+    late = flight.apogee_to_eject or 0.0
+    rise = (flight.burn_time or 0.0) + (flight.coast_to_apogee or 0.0) + late
+    sinking = (apogee - STANDARD_GRAVITY / 2 * max(late, 0.0) ** 2) / 5.0
+    return flight.with_changes(descent_speed=5.0, duration=rise + sinking)
+
+
+@pytest.mark.parametrize("names", [("apogee",), ("apogee", "burn_time", "coast_to_apogee")])
+def test_the_way_down_distinguishes_a_low_flight_and_a_misread_apogee(names: tuple[str, ...]) -> None:
+    flown = season({5: {"thrust": -0.3}})
+    times = ("burn_time", "coast_to_apogee", "apogee_to_eject")
+    low, apogee = flown[5][0], flown[5][0].apogee or 0.0
+
+    def misread(flight: Flight) -> float:
+        kept = {name: flight.number(name) for name in (*names, *times, "descent_speed", "duration")}
+        rows = [(one.unflown(**{name: one.number(name) for name in names}), motor) for one, motor in flown]
+        rows[5] = (flight.unflown(**kept), MOTOR)
+        return float(judged(rows).cause[5, NAMES.index("misread")])
+
+    unknown, agrees, differs = (misread(one) for one in (low, landed(low, apogee), landed(low, 1.6 * apogee)))
+    assert agrees < 0.5 * unknown
+    assert differs > 2.0 * unknown
 
 
 def test_with_the_apogee_alone_several_causes_remain_possible() -> None:
