@@ -27,7 +27,7 @@ import numpy as np
 
 from bench import fast_truth
 from bench.air import GRAVITY
-from bench.altimeter import exact_readouts
+from bench.altimeter import RESOLUTION, exact_readouts
 from bench.fleet import Flown, Season, draw, scattered
 from bench.motors import motors
 from bench.recorders.flights import Path, paths
@@ -65,6 +65,8 @@ RECORDERS_FLOWN = ("20 Hz", "50 Hz", "accel 50 Hz", "accel 100 Hz", "three axes"
 """Recorders of the logs, one for each rocket in turn."""
 FIELDS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """The compared readouts as fields of a flight, in SI."""
+WAY_DOWN = {"eject_altitude_m": "eject_altitude", "descent_speed_mps": "descent_speed", "duration_s": "duration"}
+"""The readouts of the way down, which a device shows rounded, as fields of a flight. An exact fit does without them."""
 Shown = dict[str, float]
 
 
@@ -182,6 +184,11 @@ def as_shown(true: Shown, bias: Float[Array, "readout"], rng: np.random.Generato
     return {name: float(x) for name, x in zip(COMPARED, values, strict=True) if np.isfinite(x)}
 
 
+def rounded_way_down(true: Shown) -> Shown:
+    """The readouts of the way down as a device displays them."""
+    return {name: round(true[name] / RESOLUTION[name]) * RESOLUTION[name] for name in WAY_DOWN if name in true}
+
+
 def as_flight(flown: Flown, shown: Shown, number: int) -> Flight:
     """The record of a flight, in SI."""
     return Flight(
@@ -196,9 +203,10 @@ def as_flight(flown: Flown, shown: Shown, number: int) -> Flight:
 
 
 def in_si(shown: Shown) -> dict[str, float]:
-    """The compared readouts as fields of a flight, in SI."""
+    """The readouts as fields of a flight, in SI."""
     units = dict.fromkeys(COMPARED, 1.0) | {"peak_accel_g": GRAVITY}
-    return {field: shown[name] * units[name] for field, name in zip(FIELDS, COMPARED, strict=True) if name in shown}
+    compared = {field: shown[name] * units[name] for field, name in zip(FIELDS, COMPARED, strict=True) if name in shown}
+    return compared | {field: shown[name] for name, field in WAY_DOWN.items() if name in shown}
 
 
 def in_columns(values: Mapping[str, float | None]) -> Shown:
@@ -280,7 +288,7 @@ def all_judged(cases: Sequence[Case], kind: str = READOUTS) -> list[dict[str, An
 
 def as_typed(one: Case, true: Sequence[Shown], rng: np.random.Generator) -> list[Flight]:
     """The flights of a case with the readouts of a device."""
-    shown = [as_shown(each, one.bias, rng) for each in true]
+    shown = [as_shown(each, one.bias, rng) | rounded_way_down(each) for each in true]
     change = FAULTS[one.name].readout
     if change is not None:
         shown[one.row] = change(shown[one.row], FAULTS[one.name].strengths[one.level], one.number)
@@ -390,7 +398,7 @@ def _share(rows: Sequence[Mapping[str, Any]], right: Callable[[Mapping[str, Any]
 FLOWN_AS = {
     READOUTS: (
         "as the readouts of an altimeter with Student t noise (3 degrees of freedom: speed and burn time 4%, peak 10%, "
-        "coast 5%, ejection 0.4 s) and biases of its own"
+        "coast 5%, ejection 0.4 s) and biases of its own; those of the way down are rounded"
     ),
     LOGS: f"as logs of recorders ({', '.join(RECORDERS_FLOWN)}), from which the program measures the readouts",
     ROCKETPY: "as logs of recorders of flights in RocketPy; what an exact fit could decide is that of `fast_truth`",

@@ -238,13 +238,19 @@ def identity(flight: Flight) -> float | None:
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
 
 
+def stated_way_down(flight: Flight) -> bool:
+    """Whether the descent speed was read off an altimeter, which averages it from ejection to landing; another device
+    or a log may give that of another part."""
+    return flight.source.get("descent_speed", "typed") == "typed" and not flight.has_log
+
+
 def descent_ratio(flight: Flight) -> float | None:
     """Ejection altitude over descent speed times the time from ejection to landing, infinite if no time is left, or
     None if one of them was not read off the altimeter. [1]"""
     rise = (flight.burn_time, flight.coast_to_apogee, flight.apogee_to_eject)
     if None in rise or not (flight.eject_altitude and flight.descent_speed and flight.duration):
         return None
-    if flight.source.get("descent_speed", "typed") != "typed":  # another device may average over another part
+    if not stated_way_down(flight):
         return None
     sinking = flight.duration - sum(time for time in rise if time is not None)
     return flight.eject_altitude / (flight.descent_speed * sinking) if sinking > 0 else math.inf

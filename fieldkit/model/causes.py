@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from fieldkit.flight.plausibility import stated_way_down
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import bent, shown
@@ -32,10 +33,10 @@ DEGREES_OF_LAUNCH_ANGLE = 5.0
 EJECT_ERROR = 5.0
 """Error of a misread time to ejection, relative to the log ratio of any other readout. [s]"""
 
-_DESCENT_MIDDLE, _DESCENT_SCALE, _DESCENT_TAIL = 0.06, 0.08, 2.0
-"""Middle, scale and degrees of freedom of the Student t of the log ratio of an apogee to the height that the way down
-took: the rocket first falls, and a parachute that opens late or in stages makes the tail. Of 53 flights in one journal,
-half were within 0.04 to 0.12 and nine in ten within -0.04 to 0.39. [1]"""
+_DESCENT_MIDDLE, _DESCENT_SCALE = 0.06, 0.06
+"""Middle and scale of the Cauchy distribution of the log ratio of an apogee to the height that the way down took: the
+rocket first falls, and a parachute that opens late or in stages makes the tail. Of 53 flights in one journal, half were
+within 0.04 to 0.12 and nine in ten within -0.04 to 0.39. [1]"""
 _LARGEST_DESCENT_RATIO = 3.0
 """Largest log ratio that counts. [1]"""
 
@@ -177,6 +178,9 @@ def _misread(model: Model, usable: Flags) -> list[Signatures]:
     found = []
     share = -np.log(np.maximum(usable.sum(axis=1), 1))
     known = {name: model.history.column(name) for name in _WAY_DOWN}
+    known["descent_speed"] = np.where(
+        [stated_way_down(flight) for flight in model.flights], known["descent_speed"], np.nan
+    )
     as_read = _log_descent(known)
     for column, (name, logarithmic) in enumerate(zip(OBSERVED_READOUTS, IS_LOGARITHMIC.tolist(), strict=True)):
         for side in (1, -1):
@@ -210,7 +214,7 @@ def _log_descent(known: Mapping[str, Array]) -> Array:
     with np.errstate(divide="ignore"):
         ratio = np.log(apogee / (sinking + STANDARD_GRAVITY / 2 * np.maximum(after, 0.0) ** 2))
     off = (np.clip(ratio, -_LARGEST_DESCENT_RATIO, _LARGEST_DESCENT_RATIO) - _DESCENT_MIDDLE) / _DESCENT_SCALE
-    return np.nan_to_num(-(_DESCENT_TAIL + 1) / 2 * np.log1p(off**2 / _DESCENT_TAIL))
+    return np.nan_to_num(-np.log1p(off**2))
 
 
 def _normal(steps: Float[Array, "strength"]) -> Float[Array, "strength"]:
