@@ -271,19 +271,26 @@ def doubts(
 ) -> list[TextWithAmounts]:
     """Values in a flight that look mistyped, one phrase each: values outside the range of their column, and readouts
     that contradict each other or the `usual` ones (the `middles` of flights of the same rocket on the same motor)."""
-    found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
-    ratio = identity(flight)
+    return [phrase for phrase, _ in doubted(flight, usual)]
+
+
+def doubted(flight: Flight, usual: Mapping[str, float]) -> Iterator[tuple[TextWithAmounts, tuple[str, ...]]]:
+    """The phrases of `doubts`, each with the columns that it concerns."""
+    for column in COLUMNS:
+        value = flight.number(column.name)
+        if value is not None and (phrase := _unusual(column, value)):
+            yield phrase, (column.name,)
+    ratio, sinking = identity(flight), descent_ratio(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
-        found.append(inconsistent_speed(flight, ratio))
-    sinking = descent_ratio(flight)
+        yield inconsistent_speed(flight, ratio), ("top_speed", "avg_accel", "burn_time")
     if sinking is not None and not DESCENT[0] <= sinking <= DESCENT[1]:
-        found.append(inconsistent_descent(flight, sinking))
+        yield inconsistent_descent(flight, sinking), ("eject_altitude", "descent_speed", "duration")
     for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             small, large = BY_NAME[smaller], BY_NAME[larger]
-            found.append(message(f"{_titled(small, low)} is above {_titled(large, high)}"))
-    return [phrase for phrase in (*found, *far_from_usual(flight, usual)) if phrase]
+            yield message(f"{_titled(small, low)} is above {_titled(large, high)}"), (smaller, larger)
+    yield from far_from_usual(flight, usual)
 
 
 def inconsistent_speed(flight: Flight, ratio: float) -> TextWithAmounts:
@@ -297,29 +304,27 @@ def inconsistent_speed(flight: Flight, ratio: float) -> TextWithAmounts:
 
 
 def inconsistent_descent(flight: Flight, ratio: float) -> TextWithAmounts:
-    """A phrase for an ejection altitude that differs from descent speed times the time left; `ratio` is
+    """A phrase for a duration that differs from what the ejection altitude takes at the descent speed; `ratio` is
     `descent_ratio(flight)` [1].
     """
-    duration = of_column(BY_NAME["duration"], flight.duration or 0.0)
-    if ratio == math.inf:
-        return message(f"a duration of {duration} leaves no time after ejection; check the times")
-    off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
-    ejected, speed = (
-        of_column(BY_NAME[name], flight.number(name) or 0.0) for name in ("eject_altitude", "descent_speed")
+    height, speed, duration = (
+        of_column(BY_NAME[name], flight.number(name) or 0.0) for name in ("eject_altitude", "descent_speed", "duration")
     )
-    looks = f"ejection altitude {ejected} looks {100 * off:.0f}% {way} for a descent at {speed}"
-    return message(f"{looks} in a duration of {duration}; check these and the times")
+    way = "long" if ratio < 1 else "short"
+    return message(
+        f"duration {duration} is too {way} for a descent from {height} at {speed}; check these and the times"
+    )
 
 
-def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[TextWithAmounts]:
-    """A phrase for each readout that is far from the usual one."""
+def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[tuple[TextWithAmounts, tuple[str, ...]]]:
+    """A phrase for each readout that is far from the usual one, with its name."""
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
             ratio, usually = value / middle, of_column(BY_NAME[name], middle)
             times = f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
             phrase = f"{_titled(BY_NAME[name], value)} is {times} the usual {usually} of this rocket and motor"
-            yield message(phrase)
+            yield message(phrase), (name,)
 
 
 def _unusual(column: Column, value: float) -> TextWithAmounts | None:

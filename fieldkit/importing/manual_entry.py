@@ -27,7 +27,7 @@ from fieldkit.flight import (
 from fieldkit.flight.further import JUDGED_COLUMNS, TIMERS
 from fieldkit.flight.judged import condition_of_eggs, read_eggs, read_timer
 from fieldkit.flight.limits import NAMES, check, check_name
-from fieldkit.flight.plausibility import doubts
+from fieldkit.flight.plausibility import doubted
 from fieldkit.flight.readout import beside
 from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.importing.tables.flight_headings import plain
@@ -235,9 +235,7 @@ def implausible_answers(flight: Flight, name: str, usual: Mapping[str, float] | 
     The answer is checked by itself, against the other answers, and against the `usual` readouts, which are
     `plausibility.middles`.
     """
-    every = doubts(flight, usual or {})
-    without = doubts(flight.with_changes(**{name: None}), usual or {}) if name in BY_NAME else every
-    return [phrase for phrase in every if phrase not in without]
+    return [phrase for phrase, concerned in doubted(flight, usual or {}) if name in concerned]
 
 
 def _number(column: Column, text: str, unit: str) -> float | None:

@@ -219,7 +219,7 @@ def outlying(flights: Sequence[Flight], new: Collection[str], motors: Catalogue)
         usual = {name: value for name, value in middles(compared).items() if name in ("apogee", "top_speed")}
         if len(compared) >= MIN_COMPARED:
             judged = (one for one in several if one.flight_id in new)
-            found += [(one.flight_id, phrase) for one in judged for phrase in far_from_usual(one, usual)]
+            found += [(one.flight_id, phrase) for one in judged for phrase, _ in far_from_usual(one, usual)]
     return found
 
 

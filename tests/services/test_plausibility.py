@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 
 from bench.faults import session
 from fieldkit import units
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
-from fieldkit.flight import Flight
 from fieldkit.flight.limits import LIMITS
 from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, doubts, implausible, not_measured
 from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
+from fieldkit.importing.manual_entry import implausible_answers
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue, Found, catalogue
@@ -197,10 +198,10 @@ DOWN = GOOD.with_changes(
     [
         ({}, ""),
         ({"eject_altitude": 230.0}, ""),
-        ({"eject_altitude": 145.0, "apogee": 146.0}, "looks 41% low for a descent at"),
-        ({"descent_speed": 2.2}, "looks 127% high for a descent at"),
-        ({"duration": 158.0}, "looks 67% low for a descent at"),
-        ({"duration": 5.8}, "leaves no time after ejection"),
+        ({"eject_altitude": 145.0, "apogee": 146.0}, "duration 58 s is too long for a descent from 145 m at 5 m/s"),
+        ({"descent_speed": 2.2}, "duration 58 s is too short"),
+        ({"duration": 158.0}, "duration 158 s is too long"),
+        ({"duration": 5.8}, "duration 5.8 s is too short"),
         ({"duration": None}, ""),
         ({"duration": 158.0, "source": {"descent_speed": "baro"}}, ""),
     ],
@@ -208,6 +209,8 @@ DOWN = GOOD.with_changes(
 def test_a_way_down_that_contradicts_itself_is_questioned(changes: dict[str, object], phrase: str) -> None:
     found = [str(one) for one in doubts(DOWN.with_changes(**changes))]
     assert [phrase in one for one in found] == [True] * bool(phrase)
+    marked = [name for name in BY_NAME if implausible_answers(DOWN.with_changes(**changes), name)]
+    assert marked == (["eject_altitude", "descent_speed", "duration"] if phrase else [])
 
 
 def test_a_ratio_to_the_usual_is_written_in_digits(run_command: Run) -> None:

@@ -8,7 +8,14 @@ from threading import Lock
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.further import JUDGED_COLUMNS
-from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
+from fieldkit.flight.plausibility import (
+    DESCENT,
+    IDENTITY,
+    descent_ratio,
+    identity,
+    inconsistent_descent,
+    inconsistent_speed,
+)
 from fieldkit.importing.manual_entry import (
     JUDGED_QUESTIONS,
     LIFT_OFF_MASS,
@@ -144,14 +151,16 @@ def beside(question: Question, answered: Answered, unit: str, system: str) -> st
 
 
 def together(flight: Flight, system: str) -> Iterable[str]:
-    """Consistency of the readouts: speed, acceleration and burn time, and ejection against apogee."""
+    """Consistency of the readouts: speed, acceleration and burn time, and ejection against apogee and the way down."""
     ratio = identity(flight)
     if ratio is not None:
         fits = IDENTITY[0] <= ratio <= IDENTITY[1]
         mismatch = in_system(inconsistent_speed(flight, ratio), system)
         yield "top speed and burn time agree ✓" if fits else f"! {mismatch}"
-    apogee, eject = flight.apogee, flight.eject_altitude
-    if apogee is not None and eject is not None:
+    apogee, eject, sinking = flight.apogee, flight.eject_altitude, descent_ratio(flight)
+    if sinking is not None and not DESCENT[0] <= sinking <= DESCENT[1]:
+        yield f"! {in_system(inconsistent_descent(flight, sinking), system)}"
+    elif apogee is not None and eject is not None:
         below = measure(READOUTS[0], abs(apogee - eject), system)
         yield f"ejection {below} below apogee ✓" if eject <= apogee * 1.001 else f"! ejection {below} ABOVE apogee"
 
