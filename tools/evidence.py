@@ -36,7 +36,7 @@ OPEN_BRAKES = {
     "contest_12_23_25_flight_4": MISSED,
 }
 """Flights whose brakes opened in the coast, by the color of what the loop found."""
-OWN = ("fieldkit", "fieldkit, from apogees alone", "mixed with rivals")
+OWN = ("fieldkit", "fieldkit, from apogees alone", "fieldkit, structure chosen again", "mixed with rivals")
 """Methods that are not simple rules."""
 SETS = {"journal, by time": "one flyer's later flights", "contest_teams, left out": "contest teams"} | {
     "reference_flights, left out": "flights of a paper"

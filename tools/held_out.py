@@ -1,9 +1,10 @@
 """Forecasts by time and by flyer: `python -m tools.held_out JOURNAL CONTEST REFERENCE > docs/held-out.md`.
 
 The arguments are one folder or table for each flyer. By time: the hyperprior is learned from flights before a year, and
-the flights of the period that begins then are forecast forward in time. By flyer: it is learned without the flyer. Only
-the hyperprior is learned again. The structure of the model, the rule for unknown diameters and the bounds of plausible
-readouts were chosen when some of these flights had been seen.
+the flights of the period that begins then are forecast forward in time. By flyer: it is learned without the flyer. The
+structure of the model, the rule for unknown diameters and the bounds of plausible readouts were chosen when some of
+these flights had been seen. With the *structure chosen again*, each group of random effects that was added since then
+is in the model only if the flights learned from have a higher log evidence with it.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from fieldkit.cli.session import known_motors
 from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, forward, with_stacked
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.inference.laplace.learning import learn_hyperprior
+from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior
 from fieldkit.model.rocket_model import FlownFlight
 from fieldkit.services.learn import Flyer, _restricted, read_flyer
@@ -29,10 +30,13 @@ EXACT_SINCE = date(2011, 8, 1)
 """The journal's altitudes before are estimates."""
 ROUNDS, STEPS = 1, 8
 """Linearizations and steps of each fit: all start from `START`."""
+CHOSEN = ("mass.drift", "apogee.rocket_motor", "apogee.day", "peak_accel.motor")
+"""Random effects that were added when some of the flights had been seen."""
 
 
-def learned_from(flyers: Sequence[Flyer], before: date | None = None) -> Hyperprior:
-    """The hyperprior of some flyers' flights, of those before a day."""
+def learned_from(flyers: Sequence[Flyer], before: date | None = None) -> tuple[Hyperprior, Hyperprior, list[str]]:
+    """The hyperprior of some flyers' flights, of those before a day; the one without the random effects of `CHOSEN`
+    that they do not support; and these."""
     fleets = []
     for flyer in flyers:
         known = [
@@ -40,7 +44,16 @@ def learned_from(flyers: Sequence[Flyer], before: date | None = None) -> Hyperpr
             for own in flyer.rockets.values()
         ]
         fleets.append([own for own in known if own])
-    return learn_hyperprior([fleet for fleet in fleets if fleet], START, ROUNDS, STEPS)
+    fleets = [fleet for fleet in fleets if fleet]
+    found = learn_hyperprior(fleets, START, ROUNDS, STEPS)
+    whole = evidence(fleets, found)
+    gone = [name for name in CHOSEN if evidence(fleets, without(found, [name])) > whole]
+    return found, learn_hyperprior(fleets, without(START, gone), ROUNDS, STEPS) if gone else found, gone
+
+
+def without(hyperprior: Hyperprior, gone: Sequence[str]) -> Hyperprior:
+    """A hyperprior without some random effects."""
+    return hyperprior.with_sds(**{name.replace(".", "__"): 0.0 for name in gone})
 
 
 def forecasts(
@@ -51,8 +64,9 @@ def forecasts(
     return with_stacked(forward(known, hyperprior=hyperprior, since=start))
 
 
-def table(rows: Sequence[Forecast], alone: Sequence[Forecast]) -> list[str]:
-    """One table in percent of the flown apogee."""
+def table(rows: Sequence[Forecast], alone: Sequence[Forecast], chosen: Sequence[Forecast]) -> list[str]:
+    """One table in percent of the flown apogee: forecasts by the model, from apogees alone, and with the structure
+    chosen again."""
     lines = [
         "| method | flights | median error | mean error | bias | CRPS | interval score | coverage | width |",
         "|---|---|---|---|---|---|---|---|---|",
@@ -69,6 +83,7 @@ def table(rows: Sequence[Forecast], alone: Sequence[Forecast]) -> list[str]:
 
     line("fieldkit", rows, OWN_FORECAST)
     line("fieldkit, from apogees alone", alone, OWN_FORECAST)
+    line("fieldkit, structure chosen again", chosen, OWN_FORECAST)
     for name, label in LABELS.items():
         line(label, rows, name)
     return lines
@@ -81,29 +96,32 @@ def main() -> None:
     motors = known_motors()
     flyers = [read_flyer(path, motors, EXACT_SINCE) for path in parser.parse_args().flyers]
     journal = flyers[0]
-    parts: dict[str, tuple[list[Forecast], list[Forecast]]] = {}
+    parts: dict[str, tuple[list[Forecast], ...]] = {}
+    left_out: dict[str, list[str]] = {}
 
-    def add(title: str, flyer: Flyer, hyperprior: Hyperprior, start: date | None, end: date | None) -> None:
+    def add(title: str, flyer: Flyer, teachers: Sequence[Flyer], start: date | None, end: date | None) -> None:
+        whole, chosen, gone = learned_from(teachers, start)
+        left_out[f"{title}, from {start.year}" if start else title] = gone
         apogees = [(_restricted(flight, ("apogee",)), motor) for flight, motor in flyer.flown]
-        found = [forecasts(flown, hyperprior, start, end) for flown in (flyer.flown, apogees)]
-        own = parts.setdefault(title, ([], []))
-        own[0].extend(found[0])
-        own[1].extend(found[1])
+        own = parts.setdefault(title, ([], [], []))
+        for rows, (flown, by) in zip(own, ((flyer.flown, whole), (apogees, whole), (flyer.flown, chosen)), strict=True):
+            rows.extend(forecasts(flown, by, start, end))
 
     for first, last in zip(YEARS, (*YEARS[1:], None), strict=True):
         start, end = date(first, 1, 1), date(last, 1, 1) if last else None
-        add(f"{journal.name}, by time", journal, learned_from([journal], start), start, end)
+        add(f"{journal.name}, by time", journal, [journal], start, end)
     for flyer in flyers[1:]:
-        others = [other for other in flyers if other is not flyer]
-        add(f"{flyer.name}, left out", flyer, learned_from(others), None, None)
+        add(f"{flyer.name}, left out", flyer, [other for other in flyers if other is not flyer], None, None)
     print("# Forecasts by time and by flyer\n")
     print("Written by `python -m tools.held_out JOURNAL CONTEST REFERENCE`.\n")
     print(*prose(" ".join(__doc__.split("\n\n", 1)[1].split())), sep="\n")
     years = ", ".join(map(str, YEARS))
     print(*prose(f"Periods begin in {years}. All figures are in percent of the flown apogee, for the 90% interval."))
-    for title, (rows, alone) in parts.items():
+    print("\n| forecasts of | left out of the structure chosen again |\n|---|---|")
+    print(*(f"| {title} | {', '.join(gone) or 'nothing'} |" for title, gone in left_out.items()), sep="\n")
+    for title, own in parts.items():
         for later, words in ((True, "rockets flown before"), (False, "first flights")):
-            some = [[row for row in each if bool(row.earlier) is later] for each in (rows, alone)]
+            some = [[row for row in each if bool(row.earlier) is later] for each in own]
             if some[0]:
                 print(f"\n## {title}: {words}\n", *table(*some), sep="\n")
 
