@@ -93,8 +93,11 @@ def of_column(column: HasUnit, value: float, to: float | None = None, digits: in
 
 
 def of_unit(value: float, unit: str, to: float | None = None, digits: int = 4, scale: units.Unit | None = None) -> str:
-    """A marked value [SI], or a range, with significant digits in a unit of SI, or one with another scale."""
+    """A marked value [SI], or a range, with significant digits in a unit of SI, or one with another scale. A
+    unit with an amount of its own is a message."""
     values, scale = (value,) if to is None else (value, to), scale or units.Unit(1.0)
+    if isinstance(unit, TextWithAmounts):
+        return f"{' to '.join(rounded(scale.from_si(one), digits) for one in values)} {marked(unit)}"
     text = with_unit(" to ".join(rounded(scale.from_si(one), digits) for one in values), unit)
     return _mark(Amount(text, values, unit, f"{ROUNDED_STYLE} {digits}"))
 

@@ -114,15 +114,18 @@ def in_system(text: object, system: str) -> str:
 
 def _written(one: Amount, system: str) -> str:
     """An amount with its unit in a system."""
+    feet, factor = _OF_SI.get(one.unit, ("", 1.0)) if "m" in SYSTEMS[system] else ("", 1.0)
     if one.style.startswith("±"):
-        unit, factor = _OF_SI.get(one.unit, ("", 1.0)) if "m" in SYSTEMS[system] else ("", 1.0)
-        return f"{with_sd(one.values[0] * factor, float(one.style[1:]) * factor)} {unit}" if unit else one.text
+        return f"{with_sd(one.values[0] * factor, float(one.style[1:]) * factor)} {feet}" if feet else one.text
     if one.unit == "m²" and "mm" in SYSTEMS[system]:
         ends = [rounded(value / units.INCH**2, 3) for value in one.values]
         return f"{' to '.join(ends)} in²"
     grams = {"kg": "g"}.get(one.unit, one.unit)
     if grams not in SYSTEMS[system]:
-        return one.text
+        if not feet or not one.style.startswith(ROUNDED_STYLE):
+            return one.text
+        digits = int(one.style.removeprefix(ROUNDED_STYLE))
+        return with_unit(" to ".join(rounded(value * factor, digits) for value in one.values), feet)
     if one.style == PER_WIND_STYLE:
         return ShownUnits(system).per_wind(one.values[0])
     unit = SYSTEMS[system][grams]

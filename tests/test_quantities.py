@@ -57,6 +57,8 @@ def test_degrees_and_percent_follow_their_number_without_a_space(name: str, valu
             "4.6 ± 7.4 deg at 15 m/s",
             "4.6 ± 7.4 deg at 34 mph",
         ),
+        (of_unit(45.0, "m/s^2", digits=2), "45 m/s^2", "148 ft/s^2"),
+        (of_unit(15.0, message(f"deg at {amount(15.0, 'm/s')}")), "15 deg at 15 m/s", "15 deg at 34 mph"),
         (fine(1.0, "m"), "1.0 m", "3.3 ft"),
         (per_wind(94.0), "94 m per m/s of wind", "138 ft per mph of wind"),
     ],

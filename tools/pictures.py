@@ -102,15 +102,22 @@ EVERY_PAGE: dict[str, list[str]] = {
     "residuals": [*SEARCHED, "v"],
     "fingerprint": [*SEARCHED, "n"],
     "setup": ["6", "_"],
+    "rockets": ["6", "_", "right", "_"],
     "sites": ["6", "_", "right", "right", "_"],
-    "motors": ["6", "_", "left", "left", "_"],
+    "kits": ["6", "_", "left", "left", "_"],
     "settings": ["6", "_", "left", "_"],
     "capture": ["7", "_"],
+    "weather": ["0", "_", "e", "_"],
+    "edit": ["1", "_", "end", "e", "_"],
     "pad": ["K", "_"],
     "help": ["question_mark"],
     "palette": ["ctrl+p", "_", *"landing", "_"],
 }
 """Every page of the app, and the keys that open it."""
+
+
+KITS = '["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n'
+"""A file with a kit."""
 
 
 async def app_page(ledger: Path, themes: Sequence[str], keys: list[str], size: tuple[int, int] = SIZE) -> list[str]:
@@ -161,6 +168,8 @@ def every_page(out: Path, names: list[str]) -> None:
         for size in SIZES:
             with TemporaryDirectory() as folder:
                 ledger = _season(Path(folder), logged=True)
+                os.environ["FIELDKIT_HOME"] = folder
+                ledger.with_name("kits.toml").write_text(KITS, encoding="utf-8")
                 drawn = asyncio.run(app_page(ledger, LOOKS, EVERY_PAGE[name], size))
             for look, svg in zip(LOOKS, drawn, strict=True):
                 path = out / f"{name}-{size[0]}x{size[1]}-{look}.svg"

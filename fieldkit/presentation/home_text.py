@@ -56,7 +56,7 @@ def forecast_lines(one: "SavedForecast", system: str) -> Iterator[str]:
 
 def flown_title(one: "ListedFlight") -> str:
     """A flight in a line: `12 · Astra B · F39 · 04-18 14:35`, without an id that was derived."""
-    name = "" if has_derived_id(one.flight) else one.id
+    name = "" if has_derived_id(one.flight) else one.flight.flight_id
     when = f"{one.flight.date_time:%m-%d %H:%M}" if one.flight.date_time else ""
     return " · ".join(part for part in (name, build_of(one.flight), one.flight.motor, when) if part)
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from math import expm1
 
-from fieldkit.flight import BY_NAME
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label, has_derived_id, short_name
 from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause, farthest
 from fieldkit.model.causes import CAUSES
@@ -27,8 +27,7 @@ MORE_OR_LESS = {
 
 def why(one: FlightBesideOthers) -> str:
     """What is known about a flight in one or two sentences."""
-    derived = has_derived_id(one.flight)
-    name = short_name(one.flight) if derived else flight_label(one.flight.flight_id).capitalize()
+    name = _name(one.flight)
     flew = _flew(one)
     if not one.departures:
         return f"{name} has no readouts to compare."
@@ -37,6 +36,15 @@ def why(one: FlightBesideOthers) -> str:
     if not one.singled_out:
         return f"{name} {flew}: scatter, or with a chance of {percent(one.probability)} {_listed(one.causes)}."
     return f"{name} {flew}. {_cause(one)}."
+
+
+def _name(flight: Flight) -> str:
+    """The flight at the start of a sentence; by its motor if it has neither an id of its own nor a date."""
+    if not has_derived_id(flight):
+        return flight_label(flight.flight_id).capitalize()
+    if flight.date_time is not None or not flight.motor:
+        return short_name(flight)
+    return f"The flight on {flight.motor}"
 
 
 def _flew(one: FlightBesideOthers) -> str:

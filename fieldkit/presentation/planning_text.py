@@ -149,8 +149,6 @@ def outlook_in_words(
     least, _, most = three_of_all(sums)
     mass = ShownUnits(system).mass(prediction.plan.dry_mass or 0.0)
     yield f"{build_in_words(prediction)}, {mass} without the motor, season {rule.year}"
-    if rule.caveat:
-        yield f"  {rule.caveat}"
     yield (
         f"  points    {ahead.points.mean():.0f} per flight, 90% interval {low:.0f} to {high:.0f}, median {middle:.0f}"
     )
@@ -171,6 +169,8 @@ def outlook_in_words(
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {percent(chance)}"
+    if rule.caveat:
+        yield f"  {rule.caveat}"
 
 
 def _better_parachute(ahead: Outlook, shown: ShownUnits) -> Iterator[str]:

@@ -131,13 +131,18 @@ def look(
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
     """From now on predict a rocket with the sets of a diagnosis; does nothing if they are in use already. Raises
     BadValue for a saved model that cannot be read."""
-    if _same(diagnosis.averaged, accepted_average(ledger, rocket)):
+    if in_use(ledger, rocket, diagnosis):
         return
     if all(not places for _, places in diagnosis.averaged):
         ledger.activate(rocket, None)
         return
     left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
     ledger.keep_version(rocket, version_payload(diagnosis, left))
+
+
+def in_use(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> bool:
+    """Whether forecasts of a rocket already use the sets of a diagnosis. Raises BadValue as `adopt`."""
+    return _same(diagnosis.averaged, accepted_average(ledger, rocket))
 
 
 def _same(one: Averaged, other: Averaged) -> bool:

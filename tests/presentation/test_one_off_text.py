@@ -1,5 +1,6 @@
 """Flights compared with the others of their rocket, in words."""
 
+from dataclasses import replace
 from math import log
 
 import pytest
@@ -42,6 +43,13 @@ def test_without_other_readouts_the_possible_causes_are_listed_with_what_would_d
 def test_a_usual_flight_is_scatter() -> None:
     assert why(flight(0.1, ("arc", 0.05))) == "Flight 8 flew 20% low, within the scatter of its rocket."
     assert list(one_off_lines([flight(0.1, ("arc", 0.05))])) == []
+
+
+def test_a_flight_without_an_id_of_its_own_or_a_date_is_not_called_like_its_motor() -> None:
+    one = flight(0.1, ("arc", 0.05))
+    assert why(replace(one, flight=one.flight.with_changes(flight_id="flight-dd2afbb08f"))).startswith(
+        "The flight on F24-4W flew 20% low"
+    )
 
 
 def test_a_misread_readout_is_named() -> None:

@@ -7,6 +7,7 @@ from threading import Event
 from unittest.mock import patch
 
 import pytest
+from textual.widgets import Input
 
 from fieldkit.flight import READOUTS
 from fieldkit.ledger import Ledger, models
@@ -408,6 +409,8 @@ async def test_a_unit_typed_in_one_field_does_not_change_numbers_typed_earlier(f
 def test_a_note_without_room_says_only_what_its_field_does_not_show() -> None:
     assert brief("! duration 45 s is 2 times the usual 22.5 s", 36) == "! 2 times the usual 22.5 s"
     assert brief("! duration 45 s is 2 times the usual 22.5 s", 60) == "! duration 45 s is 2 times the usual 22.5 s"
+    speed = "! top speed looks 14% low for 5.6 g over 1.15 s; check all three"
+    assert brief(speed, 30) == "! top speed looks 14% low"
     assert brief("✗ found the unit 'O', expected mph, such as 180 mph", 36) == "✗ unit 'O'"
 
 
@@ -436,3 +439,20 @@ async def test_an_unknown_mass_and_diameter_are_asked_for_before_the_flight_is_s
         assert isinstance(pilot.app.focused, SaveButton)
         seen = words(pilot)
         assert seen.index("Dry mass") < seen.index("Save this flight")
+
+
+async def test_a_text_longer_than_its_line_shows_its_beginning_after_it_is_left(file: Path) -> None:
+    async with opened(file, page="add") as pilot:
+        line = pilot.app.screen.query_one("#in-site", Input)
+        line.focus()
+        await press(pilot, "ctrl+u", *typed("the soccer park by the river"))
+        assert line.scroll_offset.x > 0
+        await press(pilot, "up")
+        assert line.scroll_offset.x == 0
+
+
+async def test_the_rocket_and_its_flights_fill_the_rest_of_the_form_at_120x36(file: Path) -> None:
+    async with opened(file, (120, 36), page="add") as pilot:
+        await press(pilot, "_")
+        assert "apogee [m], flight by flight" in words(pilot)
+        assert "Motors it flew on" in words(pilot)

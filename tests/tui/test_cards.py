@@ -114,16 +114,21 @@ def test_overlong_text_shows_its_beginning_or_its_end() -> None:
 async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path) -> None:
     with Ledger.open(file) as ledger:
         assert ledger.names("rocket") == ["Astra"]
+        other = Flight("13", "Astra", "A", "Quest E35W-5", dry_mass=0.322, diameter=0.066, apogee=150.0, tags=("cato",))
+        ledger.add([other])
     async with opened(file, (160, 50)) as pilot:
         await press(pilot, "6", "slash", *typed("f24"), "enter")
         assert "thrust [N] against time [s]" in words(pilot)
-        await press(pilot, "right", "down")
-        assert "8, 4 of them normal" in words(pilot)
-        assert "E35-5W 4 times, to between 131.1 and 174.7 m" in words(pilot)
+        await press(pilot, "right")
+        assert "9, 4 of them normal" in words(pilot)
+        assert "Quest E35W 5 times, to between 131.1 and 174.7 m" in words(pilot), "both spellings are one motor"
         await press(pilot, "right")
         assert "281.3 m Astra F24-4W" in words(pilot)
         await press(pilot, "right", "right")  # after the kits
         assert "Enter switches to the next; so does N" in words(pilot)
+        assert "US 800 ft, 140.0 mph, 11.36 oz, 68 °F" in words(pilot)
+        await press(pilot, "down")
+        assert "✗ ⊘ not possible, unsafe" in words(pilot)
 
 
 async def test_a_rocket_with_a_design_shows_its_centers_and_its_stability(file: Path) -> None:

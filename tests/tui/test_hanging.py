@@ -34,6 +34,11 @@ def test_a_wrapped_line_is_indented_to_its_name_its_spaces_or_slightly_right() -
     assert [len(line) - len(line.lstrip()) for line in (named, blank, bare)] == [9, 4, 2]
 
 
+def test_an_address_longer_than_its_line_begins_beside_its_name_and_breaks_after_a_slash() -> None:
+    card = cards.lines("", [("page", "http://nar.example/SandT/pdf/Estes/half_A3T.pdf")])
+    assert drawn(card) == ["page  http://nar.example/SandT/pdf/", "      Estes/half_A3T.pdf"]
+
+
 def test_a_narrow_column_is_not_wasted_on_spaces() -> None:
     card = cards.lines("", [("Average acceleration", "a figure of which there is much to say")], 20)
     assert drawn(card, 30)[1].startswith("  ")

@@ -79,16 +79,19 @@ async def test_without_a_target_motors_show_their_interval_instead_of_a_distance
 
 
 @pytest.mark.thorough
-async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_check(file: Path) -> None:
+@pytest.mark.parametrize("size", [(120, 36), (160, 50)], ids=lambda size: "x".join(map(str, size)))
+async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_check(
+    size: tuple[int, int], file: Path
+) -> None:
     change_settings({"target": 243.84}, file.with_name("settings.json"))
-    async with opened(file, (160, 50)) as pilot:
+    async with opened(file, size) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "right", "_")
         screen = pilot.app.screen
         assert screen.query_one(Big).value
         assert "g dry mass" in text_of(pilot, "#about")
         plot = screen.query_one("#first", Plot)
-        assert plot.region.bottom < 50, "visible without scrolling"
-        assert plot.region.y >= screen.query_one("#beside").region.bottom, "as wide as the screen"
+        assert plot.region.bottom < size[1], "visible without scrolling"
+        assert plot.region.right <= screen.query_one("#beside").region.x, "below the answer, beside the checks"
         marks = [line[0] for line in str(screen.query_one("#beside", Static).content).splitlines() if line[1:2] == " "]
         assert [mark for mark in marks if mark in "⊘!?✓"] == sorted(
             (mark for mark in marks if mark in "⊘!?✓"), key="⊘!?✓".index
@@ -145,6 +148,15 @@ def test_a_scale_shows_its_ends_if_there_is_room() -> None:
     assert heading(60, scale, "US").endswith(" 977 ft")
     assert "131.1" not in heading(30, scale, "SI")
     assert "0.0" not in heading(60, HeightScale.of([], None), "SI")
+
+
+def test_one_very_high_flight_does_not_squeeze_the_intervals_of_the_others() -> None:
+    usual = [((170.0 + n, 190.0 + n, 215.0 + n), 188.0 + n) for n in range(20)]
+    scale = HeightScale.of([*usual, ((2900.0, 3100.0, 3300.0), 3164.0), (None, 3200.0)], None)
+    assert (scale.low, scale.high) == (170.0, 234.0)
+    assert scale.line((2900.0, 3100.0, 3300.0), 3164.0, 20).strip() == "→"
+    assert scale.line(None, 3200.0, 20).strip() == "→"
+    assert HeightScale.of([(None, 100.0), (None, 900.0)], 2000.0).high == 2000.0, "a target is always on the scale"
 
 
 @pytest.mark.parametrize(

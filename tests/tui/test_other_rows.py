@@ -223,6 +223,9 @@ async def test_a_model_in_use_is_not_said_to_be_declined(file: Path) -> None:
             assert "Declined: the model is unchanged" in words(pilot)
             await press(pilot, "A", "_", "D", "_")
             assert "Already accepted: forecasts use it. u to undo" in words(pilot)
+        async with opened(file, page="loop") as pilot:
+            await press(pilot, "S", "_")
+            assert "Accepted: forecasts use it. u to undo" in text_of(pilot, "#step"), "by an earlier app"
 
 
 async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rich.color import Color
 
+from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.plots import Ink, Marked, draw_density
 from fieldkit.tui.widgets.states import BAD_COLOR, CAUTION_COLOR, GOOD_COLOR, MARK_COLOR, STATES, runs
@@ -31,6 +32,13 @@ def test_a_cell_has_the_color_of_the_state_that_its_symbol_shows(cell: str, stat
     parts = list(runs(cell))
     assert "".join(text for text, _ in parts) == cell
     assert [color for text, color in parts if color and text.strip()] == states
+
+
+def test_a_flight_outside_its_interval_is_colored_so_in_a_list_of_intervals() -> None:
+    rows = (IntervalBar("a", 1.0, 2.0, 3.0, 2.5), IntervalBar("b", 1.0, 2.0, 3.0, 5.0))
+    drawn = Intervals(rows, lambda x: f"{x:g}", {})._within(60)
+    colors = [str(span.style) for span in drawn.spans if "◆" in drawn.plain[span.start : span.end]]
+    assert colors == [f"${GOOD_COLOR}", f"${BAD_COLOR}"]
 
 
 @pytest.mark.parametrize("theme", list(THEMES))

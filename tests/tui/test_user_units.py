@@ -29,6 +29,7 @@ PAGES: dict[str, list[str]] = {
     "ballast": ["4", "g", *typed("800ft"), "enter", "_", "d", "right", "_"],
     "contest": ["4", "d", "right", "right", "_"],
     "landing": ["4", "d", *["right"] * 3, "_"],
+    "effects": ["5", "_", "left", "_", "right"],
     "loop": ["5", "S", "_"],
     "setup": ["6", "_"],
 }

@@ -206,7 +206,7 @@ class AddScreen(PageScreen):
         Binding("N", "next_units", "Units", tooltip="Next units: SI, US, mixed"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
     ]
-    VERTICAL_BREAKPOINTS = [*PageScreen.VERTICAL_BREAKPOINTS, (58, "-lofty")]  # noqa: RUF012  # room for frames
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-high"), (40, "-tall"), (58, "-lofty")]  # noqa: RUF012  # as Textual has it
     DEFAULT_CSS = FORM_CSS
 
     def __init__(self) -> None:
@@ -328,7 +328,7 @@ class AddScreen(PageScreen):
         """Show the rocket and its flights below the form, if there is room."""
         if self.has_class("-wide") and not self.has_class("-short") and self._rocket != (flight.rocket, flight.config):
             self._rocket = flight.rocket, flight.config
-            facts = partial(rocket_facts, self.resources.ledger, flight, self.resources.settings.units)
+            facts = partial(rocket_facts, self.resources, flight)
             self.ask(facts, self.query_one(RocketStrip).show, "rocket")
 
     def _unit_of_answer(self, question: Question) -> str:

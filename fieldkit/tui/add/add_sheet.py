@@ -43,7 +43,9 @@ FORM_CSS = """
         Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
         Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
     }
-    AddScreen.-wide.-tall, AddScreen.-wide.-lofty {
+    AddScreen.-wide #readouts { width: 3fr; }
+    AddScreen.-wide #more { width: 2fr; }
+    AddScreen.-wide.-high, AddScreen.-wide.-tall, AddScreen.-wide.-lofty {
         #fields { height: auto; margin-bottom: 1; }
         RocketStrip { height: 1fr; max-height: 100%; }
         RocketStrip.-shown { display: block; }

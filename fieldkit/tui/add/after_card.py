@@ -63,11 +63,11 @@ class AfterCard(VerticalScroll, can_focus=True):
     AfterCard Big { margin: 0 2 0 0; }
     AfterCard .facts { width: 1fr; }
     AfterCard > .bars, AfterCard > .next { margin-top: 1; }
-    AfterCard > .hill { height: 1fr; min-height: 14; max-height: 24; margin-top: 1; display: none;
+    AfterCard > .hill { height: 1fr; min-height: 10; max-height: 24; margin-top: 1; display: none;
         border-top: solid $border-blurred; border-title-color: $foreground; }
     AfterCard > .earlier { margin-top: 1; display: none; }
-    .-tall AfterCard > .hill, .-tall AfterCard > .earlier { display: block; }
-    .-lofty AfterCard > .hill, .-lofty AfterCard > .earlier { display: block; }
+    .-high AfterCard > .hill, .-tall AfterCard > .hill, .-lofty AfterCard > .hill { display: block; }
+    .-tall AfterCard > .earlier, .-lofty AfterCard > .earlier { display: block; }
     """
     enter = "Add another"
     """What Enter does, for the key bar."""

@@ -90,7 +90,7 @@ def columns(
     motor = 14 if wide else 6 if tight else 8
     fitted = max(len("rocket") + 1, min(rocket, MAX_ROCKET))
     shown = [
-        Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
+        Shown("id", 4 if not wide else 8, lambda r, _: r.flight.flight_id, lambda r: r.place),
         Shown(
             "date",
             16 if timed else 5 if tight or brief else 10,

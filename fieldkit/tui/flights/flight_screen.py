@@ -119,7 +119,7 @@ class FlightScreen(PageScreen):
     FlightScreen #heading { height: 1; padding: 0 1; text-style: bold; color: $primary; }
     FlightScreen #all { height: 1fr; padding: 0 1; }
     FlightScreen #columns, FlightScreen #hills, FlightScreen #log { height: auto; }
-    FlightScreen #figures { width: 38; height: auto; }
+    FlightScreen #figures { width: 40; height: auto; padding: 0 1 0 0; }
     FlightScreen #pictures { width: 1fr; height: auto; }
     FlightScreen #all Static { height: auto; margin-bottom: 1; }
     FlightScreen #all #doubts.-none { display: none; }
@@ -260,7 +260,7 @@ class FlightScreen(PageScreen):
         if isinstance(log, str):
             title.update(Content(printable(log)))
             if self._flight is not None and self.size.height >= MIN_LINES_FOR_ROCKET:
-                facts = partial(rocket_facts, self.resources.ledger, self._flight, self.resources.settings.units)
+                facts = partial(rocket_facts, self.resources, self._flight)
                 self.ask(facts, self.query_one(RocketStrip).show, "rocket")
             return
         events = sorted(log.events.items(), key=lambda one: one[1])

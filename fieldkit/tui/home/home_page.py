@@ -414,7 +414,7 @@ class HomeScreen(PageScreen):
         if flight is None:
             strip.show(None)
         else:
-            facts = partial(rocket_facts, self.resources.ledger, flight, self.resources.settings.units)
+            facts = partial(rocket_facts, self.resources, flight)
             self.ask(facts, strip.show, "rocket")
 
     def _show_pane(self, key: object) -> None:

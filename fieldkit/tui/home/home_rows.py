@@ -66,7 +66,7 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[
         stale = "*" if forecast is not None and forecast.stale and forecast.miss is not None else ""
         miss = "" if one.miss is None else f"{_outside(one)}{signed(one.miss, system)}{stale}"
         motor = motor_name(flight.motor, MOTOR_CELLS)
-        texts = [one.id, when, build_of(flight), motor, apogee, miss, " ".join(flight.tags)]
+        texts = [flight.flight_id, when, build_of(flight), motor, apogee, miss, " ".join(flight.tags)]
         texts += [profile] if profiles else []
         return [*texts, scale.line(one.interval, flight.apogee, bars)] if bars else texts
 

@@ -57,10 +57,12 @@ class Pane(VerticalScroll, can_focus=False):
         found = None if one is None else beside.get((one.flight.rocket, one.flight.flight_id))
         self.query_one("#pane-why", Static).update(Content("" if found is None else printable(why(found))))
         same = [] if one is None else [other for other in reversed(flights) if other.flight.rocket == one.flight.rocket]
-        missed = [(other.id, other.miss) for other in same if other.miss is not None]
+        missed = [(other.flight.flight_id, other.miss) for other in same if other.miss is not None]
         unit = spelled(unit_of(cards.APOGEE, system))
         rocket = "" if one is None else one.flight.rocket
-        draw = partial(draw_misses, missed, one.id, system) if one is not None and len(missed) > 1 else None
+        draw = (
+            partial(draw_misses, missed, one.flight.flight_id, system) if one is not None and len(missed) > 1 else None
+        )
         self._plot("pane-trend", f"Misses of {rocket}, flown minus forecast [{unit}]", draw)
         self.show_climb(None)
 

@@ -138,7 +138,10 @@ def _reader(columns: TableColumns) -> Callable[[str, str, str], object]:
 
 def _title(name: str) -> str:
     column = BY_NAME.get(name)
-    return column.title if column and name not in QUANTITIES else name.replace("_", " ").capitalize()
+    if column and name not in QUANTITIES:
+        return column.title
+    spelled = name.replace("_", " ").replace("felt", "accelerometer").replace("msl", "MSL").replace("gps", "GPS")
+    return spelled[:1].upper() + spelled[1:]
 
 
 def _about(name: str) -> str:

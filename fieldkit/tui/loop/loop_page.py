@@ -26,7 +26,7 @@ from fieldkit.presentation.one_off_text import likely_cause
 from fieldkit.progress import ReportProgress
 from fieldkit.quantities import percent
 from fieldkit.safe_text import printable
-from fieldkit.services.close_loop import adopt
+from fieldkit.services.close_loop import adopt, in_use
 from fieldkit.services.findings import Findings
 from fieldkit.services.fleet_findings import save_findings, saved_findings
 from fieldkit.services.fleet_loop import close_fleet_loop
@@ -263,11 +263,19 @@ class LoopScreen(PageScreen):
         self._effect, self._accepted_version = 0, None
         self.panels.show(found, self.resources.settings.units)
         self.panels.show_residuals(self._against, self.resources.settings.units)
+        used = partial(in_use, self.resources.ledger, found.rocket, found.diagnosis)
+        self.ask(used, partial(self._have_in_use, found), "used")
         if not self.is_current or (self._panel != PANELS.index("Verdict") and not self.has_class("-wide")):
             self.show_notice(f"The search of {found.rocket} has ended. {headline(found).sentence}")
         if self._standing is not None and len(self._standing.rockets) > 1:
             work = partial(search_fleet, self.resources, lambda *_: go_on())
             self.ask(or_why(work), self._have_fleet, "fleet", alone="app")
+
+    def _have_in_use(self, found: Findings, used: bool) -> None:
+        """Show that a search has found again what was accepted before."""
+        if used and self._standing is not None and self._standing.used and self.panels.found is found:
+            self._accepted_version = self._standing.used
+            self.panels.show_verdict(self.resources.settings.units, accepted=True)
 
     def _have_fleet(self, lines: Sequence[str] | str) -> None:
         """Show what the rockets share."""

@@ -83,7 +83,7 @@ def _size(effect: Effect, system: str) -> str:
     whole = effect.unit.removeprefix("fraction ")
     if whole != effect.unit:
         return f"{largest:.0%} {whole}"
-    return in_system(message(of_unit(largest, effect.unit)), system)
+    return in_system(message(of_unit(largest, effect.unit, digits=2)), system)
 
 
 def explained_before(effect: Effect) -> Content:

@@ -36,12 +36,13 @@ from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit
 from fieldkit.planning.outlook import outlook
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
+from fieldkit.planning.quantiles import three_of_all
 from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import in_brief
 from fieldkit.presentation.season_text import SeasonWays, season_steps
-from fieldkit.quantities import measure, number, shown_unit, spelled, unit_of
+from fieldkit.quantities import ShownUnits, measure, number, shown_unit, spelled, unit_of
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
 from fieldkit.services.season_guide import season_guide
 from fieldkit.services.track_record import replayed
@@ -60,6 +61,8 @@ DRAWN_LANDINGS = 200
 """Number of draws with a dot at the landing. [1]"""
 CIRCLE = 90
 """Points of the outline of a field. [1]"""
+DRAWN_WINDS = {"m/s": (2, 4, 6, 8), "mph": (5, 10, 15, 20)}
+"""Winds at the pad in which a drift is drawn, by the unit of speed that is shown; the codes allow 20 mph."""
 CELL_ASPECT = 2.0
 """Aspect ratio of a terminal's cell, height over width. [1]"""
 
@@ -74,6 +77,18 @@ def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: s
     return replace(
         answer, title=title, draw=partial(_from_the_side, one, scaled), second=partial(_from_above, one, size, scaled)
     )
+
+
+def of_drift(answer: Answer, one: PlannedFlight, size: float | None, system: str) -> Answer:
+    """The answer with the drift of the descent in several winds; `size` is of the field across. [m]"""
+    if one.prediction.stays_on_rail:
+        return answer
+    shown, drift = ShownUnits(system), three_of_all(one.down.drift)
+    winds = [wind * shown.speed_factor for wind in DRAWN_WINDS[shown.speed_unit]]
+    rows = tuple(IntervalBar(shown.speed(wind, 0), *(wind * end for end in drift)) for wind in winds)
+    edge = {"edge of the field": size / 2} if size else {}
+    title = "Drift on the way down by the wind at the pad: 90% of flights, ● median" + "; ◎ the field ends" * bool(size)
+    return replace(answer, title=title, intervals=Intervals(rows, shown.length, edge))
 
 
 def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
@@ -292,7 +307,8 @@ class Decision:
             tuple(unfolded(one.lines, self.system)),
             folded=tuple(folded(one.lines, self.system)),
         )
-        return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
+        place = of_drift if one.down.wind is None else of_landing
+        return place(answer, one, self.site.size, self.system)
 
     def noted(self, answer: Answer) -> Answer:
         """An answer with a note on what is not modeled for a cluster."""

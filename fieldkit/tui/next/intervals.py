@@ -14,11 +14,15 @@ from textual.visual import RenderOptions, Visual
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.safe_text import printable
+from fieldkit.tui.widgets.states import runs
 
 FLOWN_MARK = "◆"
 """The mark of a flight's result, which is neither an error (✗) nor unsafe."""
 TARGET = "◎"
 """The mark of a target."""
+FAR_OUT = 3.0
+"""Interquartile ranges beyond the quartiles from which a value is far out (J. W. Tukey, Exploratory Data Analysis,
+1977). [1]"""
 Bounds = tuple[float, float, float]
 """A forecast: the 5%, the median and the 95%. [m]"""
 
@@ -73,12 +77,12 @@ class Intervals(Visual):
         room = max(10, width - lead - 3)
         ends = [end for row in self.rows for end in row.ends] + list(self.marks.values())
         start, end = min(ends, default=0.0), max(ends, default=1.0)
-        lines = [
-            f"{set_cell_size(name, lead)}  {bar(row, start, end, room, tuple(self.marks.values()))}"
-            for name, row in zip(names, self.rows, strict=True)
-        ]
-        drawn = "\n".join([*lines, f"{'':{lead}}  {self._scale(start, end, room)}"])
-        return Content.assemble((f"{self.title}\n" * bool(self.title), "b $primary"), drawn)
+        parts: list[str | tuple[str, str]] = [(f"{self.title}\n" * bool(self.title), "b $primary")]
+        for name, row in zip(names, self.rows, strict=True):
+            line = bar(row, start, end, room, tuple(self.marks.values()))
+            colored = ((text, f"${color}" if color else "") for text, color in runs(line))
+            parts += [f"{set_cell_size(name, lead)}  ", *colored, "\n"]
+        return Content.assemble(*parts, f"{'':{lead}}  {self._scale(start, end, room)}")
 
     def _scale(self, start: float, end: float, room: int) -> str:
         """The first and the last value, and each mark that has room between them."""
@@ -111,8 +115,13 @@ def bar(row: IntervalBar, start: float, end: float, width: int, marks: tuple[flo
             at = _cell(mark, start, end, width)
             line[at] = TARGET if line[at] != "●" else "◉"
     if row.flown is not None and isfinite(row.flown):
-        line[_cell(row.flown, start, end, width)] = FLOWN_MARK
+        line[_cell(row.flown, start, end, width)] = _flown_sign(row.flown, start, end)
     return "".join(line)
+
+
+def _flown_sign(flown: float, start: float, end: float) -> str:
+    """The mark of a result on a scale, or an arrow to one beyond it."""
+    return FLOWN_MARK if start <= flown <= end else "←" if flown < start else "→"
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +134,10 @@ class HeightScale:
 
     @classmethod
     def of(cls, shown: Iterable[tuple[Bounds | None, float | None]], target: float | None) -> "HeightScale":
-        """A scale that holds all of these, each an interval and a flown apogee, and the target."""
+        """A scale that holds these, each an interval and a flown apogee, and the target, unless a few are so far from
+        the others that they would leave no room for them (`_near`)."""
         ends = [end for bounds, flown in shown for end in (*(bounds or ()), flown) if end is not None and isfinite(end)]
-        ends += [target] if target and ends else []
+        ends = _near(sorted(ends)) + ([target] if target and ends else [])
         return cls(min(ends, default=0.0), max(ends, default=1.0), target)
 
     def line(self, bounds: Bounds | None, flown: float | None, width: int) -> str:
@@ -138,9 +148,18 @@ class HeightScale:
         if flown is None or not isfinite(flown):
             return ""
         line = [" "] * width
-        for value, sign in (*((mark, TARGET) for mark in marks), (flown, FLOWN_MARK)):
+        for value, sign in (*((mark, TARGET) for mark in marks), (flown, _flown_sign(flown, self.low, self.high))):
             line[_cell(value, self.low, self.high, width)] = sign
         return "".join(line)
+
+
+def _near(ends: list[float]) -> list[float]:
+    """Those of some values in order that are within `FAR_OUT` interquartile ranges of the middle half."""
+    if not ends:
+        return ends
+    low, high = ends[len(ends) // 4], ends[3 * len(ends) // 4]
+    room = FAR_OUT * (high - low) or max(ends) - min(ends)
+    return [end for end in ends if low - room <= end <= high + room]
 
 
 def heading(width: int, scale: HeightScale, system: str) -> str:

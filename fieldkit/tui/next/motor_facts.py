@@ -46,6 +46,10 @@ def facts(motor: Motor, system: str) -> tuple[tuple[str, str], ...]:
     return tuple((name, printable(value)) for name, value in pairs if value)
 
 
+THRUST = "thrust [N] against time [s], ╌ its average"
+"""The title of a thrust curve."""
+
+
 def draw_thrust(motor: Motor, plt: Any, ink: Any) -> None:
     """Draw thrust against time, and the average while it burns."""
     plt.plot(motor.time.tolist(), motor.thrust.tolist(), marker="braille", color=ink.line)

@@ -31,7 +31,7 @@ from fieldkit.services.range_box import box_left, motors_in_box
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import WAIT, or_why
 from fieldkit.tui.help import NO_FLIGHTS, Help
-from fieldkit.tui.next import motor_rows, next_words
+from fieldkit.tui.next import motor_facts, motor_rows, next_words
 from fieldkit.tui.next.decisions import Decision
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.motor_rows import listed
@@ -130,6 +130,8 @@ class ForecastCard(VerticalScroll):
     ForecastCard Static { height: auto; }
     ForecastCard #big { height: 3; width: 1fr; }
     ForecastCard #hill { height: 6; }
+    ForecastCard #thrust { height: 1fr; min-height: 12; max-height: 24; margin-top: 1; display: none;
+        border-top: solid $border-blurred; border-title-color: $foreground; }
     """
     text = ""
     unfolded = False
@@ -143,6 +145,11 @@ class ForecastCard(VerticalScroll):
         yield Static("", id="safety")
         yield Plot(id="hill")
         yield Static("", id="more")
+        yield Plot(id="thrust")
+
+    def on_mount(self) -> None:
+        """Set the title of the thrust curve."""
+        self.query_one("#thrust", Plot).border_title = motor_facts.THRUST
 
     def show(self, plan: Plan, one: MotorChoice, settings: Settings, *, exact: bool) -> None:
         """Show the forecast of a plan on a motor; marked as provisional unless it is `exact`, as it would be saved."""
@@ -157,6 +164,7 @@ class ForecastCard(VerticalScroll):
         self.query_one("#safety", Static).update(cards.lines("", checks, 1) if self.unfolded else brief)
         self.query_one("#more", Static).update(cards.lines("", more, 9))
         self._show_hill(one.prediction, settings)
+        self._show_thrust(one.motor)
         self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
 
     def show_quick(self, plan: Plan, one: QuickChoice, settings: Settings) -> None:
@@ -169,7 +177,8 @@ class ForecastCard(VerticalScroll):
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
         self.query_one("#safety", Static).update(f"{motor_rows.PROVISIONAL} {next_words.QUICK}")
         self.query_one("#more", Static).update(cards.lines("", more, 9))
-        self.query_one(Plot).show(None)
+        self.query_one("#hill", Plot).show(None)
+        self._show_thrust(one.motor)
         self.text = cards.as_text(f"{title}: {middle} {text}", [("", next_words.QUICK), *more])
 
     def clear(self) -> None:
@@ -177,15 +186,22 @@ class ForecastCard(VerticalScroll):
         for name in ("title", "range", "safety", "more"):
             self.query_one(f"#{name}", Static).update("")
         self.query_one(Big).show("")
-        self.query_one(Plot).show(None)
+        self.query_one("#hill", Plot).show(None)
+        self._show_thrust(None)
         self.text = ""
+
+    def _show_thrust(self, motor: Motor | None) -> None:
+        """Show the thrust curve of a motor, which has room on a large screen."""
+        plot = self.query_one("#thrust", Plot)
+        plot.set_class(motor is not None, "-shown")
+        plot.show(partial(motor_facts.draw_thrust, motor) if motor is not None else None)
 
     def _show_hill(self, prediction: Prediction, settings: Settings) -> None:
         """Show the distribution of the apogee, with its interval and the target."""
         marks = [Marked("◎", settings.target)] if settings.target else []
         spell = partial(motor_rows.whole, system=settings.units)
         unit = shown_unit(cards.APOGEE, settings.units)
-        self.query_one(Plot).show(draw_density(prediction.apogee, spell, *marks, unit=unit))
+        self.query_one("#hill", Plot).show(draw_density(prediction.apogee, spell, *marks, unit=unit))
 
 
 WIDE_SCREEN = 150
@@ -236,6 +252,7 @@ class NextScreen(PageScreen):
     NextScreen.-narrow.-comparing #motors { height: 1fr; }
     NextScreen.-comparing #card, NextScreen.-blank #card { display: none; }
     NextScreen.-tall #hill { height: 11; }
+    NextScreen.-tall.-wide #thrust.-shown { display: block; }
     """
 
     def __init__(self) -> None:

@@ -14,6 +14,7 @@ from fieldkit.flight.recovery import (
     recovery_of,
     stability,
 )
+from fieldkit.flight.short_name import has_derived_id
 from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, answer_text, read_answer
 from fieldkit.ledger import Ledger
@@ -34,6 +35,8 @@ from fieldkit.settings import Settings
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 
+BRIEFLY = {"Site elevation": "elevation", "Rail length": "rail"}
+"""Conditions by their titles, and their names in the line of a plan."""
 MAX_NAMED_FLIGHTS = 8
 """Maximum number of individually named flights of a forecast."""
 MASS_UNKNOWN = """No forecast without the mass of the rocket.
@@ -147,7 +150,10 @@ class Plan:
             f"{self.flight.rocket} {self.flight.config}".strip(),
             f"{measure(BY_NAME['dry_mass'], self.full.dry_mass, system)} dry",
             *([] if self.full.delay is None else [f"delay {self.full.delay:g} s"]),
-            *([f"{name.lower()} {value}" for name, value in numbers if value] or ["standard air, wind not given"]),
+            *(
+                [f"{BRIEFLY.get(name, name.lower())} {value}" for name, value in numbers if value]
+                or ["standard air, wind not given"]
+            ),
             f"target {measure(cards.APOGEE, target, system)}" if target else "no target",
         ]
         return printable(" · ".join(parts))
@@ -209,13 +215,15 @@ def read_plan(resources: Resources) -> Plan | PlanWithoutMass | None:
 
 def rests_on(ledger: Ledger, rocket: str, flights: Sequence[Flight]) -> str:
     """The flights and the model of a forecast, in words."""
-    clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
+    clean = [flight for flight in flights if flight.clean and flight.apogee is not None]
     if not clean:
         return "no flights of it, only other rockets"
     version = ledger.active_version(rocket)
     model = f"version {version.number}" if version else "no correction"
-    more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""
-    return f"{counted(len(clean), 'normal flight')} ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
+    named = [flight.flight_id for flight in clean if not has_derived_id(flight)][:MAX_NAMED_FLIGHTS]
+    more = f" and {len(clean) - len(named)} more" if len(clean) > len(named) else ""
+    which = f" ({', '.join(named)}{more})" if named else ""
+    return f"{counted(len(clean), 'normal flight')}{which}, {model}"
 
 
 def planned(values: Mapping[str, object]) -> Flight:

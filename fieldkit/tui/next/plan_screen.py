@@ -181,7 +181,7 @@ class PlanScreen(PageScreen):
     PlanScreen Plot { height: 10; width: 1fr; display: none; }
     PlanScreen Plot.-below { border-top: solid $border-blurred; border-title-color: $foreground; margin-top: 1; }
     PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below { display: block; }
-    PlanScreen.-tall Plot { height: 36vh; min-height: 16; }
+    PlanScreen.-tall Plot { height: 44vh; min-height: 16; }
     PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #words #beside { display: block; margin: 0 0 0 2; }
     PlanScreen.-wide #words.-single #beside { display: none; }
@@ -208,13 +208,13 @@ class PlanScreen(PageScreen):
                         yield Big()
                         yield Static("", id="about")
                     yield Static("", id="answer")
+                    with Container(id="picture"):
+                        yield Static("", id="title")
+                        yield Static("", id="intervals")
+                        with Container(id="plots"):
+                            yield Plot(id="first")
+                            yield Plot(id="second")
                 yield Static("", id="beside")
-            with Container(id="picture"):
-                yield Static("", id="title")
-                yield Static("", id="intervals")
-                with Container(id="plots"):
-                    yield Plot(id="first")
-                    yield Plot(id="second")
             yield Static("", id="below")
 
     def on_mount(self) -> None:

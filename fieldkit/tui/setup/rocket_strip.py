@@ -11,11 +11,11 @@ from fieldkit.tui.resources import IMPORTING
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.ledger import Ledger
+    from fieldkit.tui.resources import Resources
     from fieldkit.tui.setup.setup_card import Facts
 
 
-def rocket_facts(ledger: "Ledger", flight: "Flight", system: str) -> "Facts | None":
+def rocket_facts(resources: "Resources", flight: "Flight") -> "Facts | None":
     """What the strip shows of the rocket of a flight; None for a flight without a rocket.
 
     A worker reads it, and imports what reads and draws it: 0.17 s of processor time after the ledger is open.
@@ -24,8 +24,8 @@ def rocket_facts(ledger: "Ledger", flight: "Flight", system: str) -> "Facts | No
         from fieldkit.tui.setup.setup_card import of_build
         from fieldkit.tui.widgets.groups import rocket_of
 
-    rocket = rocket_of(ledger, flight)
-    return of_build(rocket[0], system, rocket[1]) if rocket is not None else None
+    rocket = rocket_of(resources.ledger, flight)
+    return None if rocket is None else of_build(rocket[0], resources.settings.units, rocket[1], resources.motors)
 
 
 class RocketStrip(Horizontal):

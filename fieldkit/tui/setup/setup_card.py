@@ -15,19 +15,23 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import Flight
-from fieldkit.motors import Motor
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.motors import Catalogue, Motor
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import MARKS
 from fieldkit.planning.kits import Kit
 from fieldkit.quantities import density, measure, number, spelled, unit_of
 from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
+from fieldkit.services.flyer_card import card_texts
+from fieldkit.services.plausible_flights import motor_type
+from fieldkit.settings import UNITS, BoxedMotors, Settings
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
+from fieldkit.tui.widgets.states import STATES
 
 SKETCHED_FINENESS = 12.0
 """Assumed ratio of length to diameter if the length is unknown, typical of model rockets. [1]"""
@@ -93,6 +97,17 @@ MAX_DRAWN_FLIGHTS = 120
 """Number of latest flights to draw, more than the card has columns."""
 
 
+EXAMPLE = {"apogee": 243.84, "top_speed": 62.6, "dry_mass": 0.322, "temperature": 293.15}
+"""Figures that show the units. [SI]"""
+LEGEND = (
+    ("✓ ◎", "passed, on target"),
+    ("! ? ≈", "caution, not given, not final"),
+    ("✗ ⊘", "not possible, unsafe"),
+    ("◆", "flown"),
+)
+"""Signs of states and their meaning, those of one color together."""
+
+
 @dataclass(frozen=True, slots=True)
 class Facts:
     """The facts of a card, and its picture with a title; None for no picture."""
@@ -132,11 +147,11 @@ class SetupCard(VerticalScroll):
 def of_motor(motor: Motor, system: str) -> Facts:
     """A motor and its thrust curve, with masses in the units of a system."""
     content = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor, system))
-    return Facts((content,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
+    return Facts((content,), motor_facts.THRUST, partial(motor_facts.draw_thrust, motor))
 
 
-def of_build(group: Group, system: str, design: Configuration | None = None) -> Facts:
-    """A configuration of a rocket, with its design if known: drawing, mass, stability, motors, apogees."""
+def of_build(group: Group, system: str, design: Configuration | None, motors: Catalogue) -> Facts:
+    """A configuration of a rocket, with its design if known: drawing, mass, stability, motors by type, apogees."""
     flights, length = group.flights, design.length if design is not None else None
     pairs = [
         ("flights", _used(flights)),
@@ -146,10 +161,10 @@ def of_build(group: Group, system: str, design: Configuration | None = None) -> 
         ("length", measure(cards.DIAMETER, length, system)),
         ("stability", _stability(design) if design is not None else ""),
     ]
-    motors: dict[str, list[Flight]] = defaultdict(list)
+    flew_on: dict[str, list[Flight]] = defaultdict(list)
     for one in flights:
-        motors[one.motor or "no motor named"].append(one)
-    flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in motors.items()])
+        flew_on[motor_type(one.motor, motors) if one.motor else "no motor named"].append(one)
+    flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in flew_on.items()])
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(draw_apogees, known, None, system) if len(known) > 1 else None
@@ -208,14 +223,23 @@ def of_kit(kit: Kit, system: str) -> Facts:
         ("diameter", measure(cards.DIAMETER, kit.diameter, system) or unknown),
         ("mount", unknown if kit.mount is None else f"motors up to {kit.mount * 1e3:g} mm"),
     ]
-    use = Hanging(((0, Content("Name a rocket after the kit, on Home or with p on Next: it starts with these.")),))
+    use = Hanging(((0, Content("Name a rocket after the kit, on Home or with p on Fly: it starts with these.")),))
     drawn = (_side_view(kit.diameter, None),) if kit.diameter else ()
     return Facts((cards.lines(kit.name, pairs), use, *drawn))
 
 
-def of_setting(name: str, means: str) -> Facts:
-    """A setting and its meaning."""
-    return Facts((cards.lines(name, ()), Hanging(((0, Content(means)),))))
+def of_setting(name: str, means: str, settings: Settings, box: tuple[BoxedMotors, ...]) -> Facts:
+    """A setting, its meaning, and an example of it: figures in each system of units, the colors, the whole card."""
+    blocks = [cards.lines(name, ()), Hanging(((0, Content(means)),))]
+    if name == "units":
+        shown = [(one, ", ".join(measure(BY_NAME[key], value, one) for key, value in EXAMPLE.items())) for one in UNITS]
+        blocks.append(cards.lines("The same figures", shown))
+    elif name == "theme":
+        lines = (Content.assemble((f"{signs:7}", f"b ${STATES[signs[0]]}"), words) for signs, words in LEGEND)
+        blocks.append(Hanging(tuple((7, line) for line in lines)))
+    elif name == "card":
+        blocks.append(cards.lines("", list(card_texts(settings, settings.units, box).items())))
+    return Facts(tuple(blocks))
 
 
 def _dates(flights: Sequence[Flight]) -> Iterable[tuple[str, str]]:

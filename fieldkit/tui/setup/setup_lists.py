@@ -4,6 +4,7 @@ from collections.abc import Callable, Hashable, Sequence
 from typing import Any, NamedTuple
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.makers import motor_name
 from fieldkit.importing.manual_entry import Question, answer_text, read_answer
 from fieldkit.motors import Motor
 from fieldkit.motors.motor import delays_text
@@ -19,6 +20,8 @@ from fieldkit.tui.widgets.table import Cells, Head
 
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
+MOTOR_CELLS = 14
+"""Width of a motor. [cell]"""
 NORMAL_TABLE_WIDTH, WIDE_TABLE_WIDTH = 70, 96
 """Minimum widths of a table with more columns. [cell]"""
 
@@ -61,10 +64,12 @@ def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
 
     def cells(group: Group) -> list[str]:
         numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
-        return [*group.names, *numbers, str(len(group.ids)), group.last.motor][: 5 if narrow else 6]
+        return [*group.names, *numbers, str(len(group.ids)), motor_name(group.last.motor, MOTOR_CELLS)][
+            : 5 if narrow else 6
+        ]
 
     heads = [Head("rocket", 0), Head("config", 8), Head("dry mass", 9, True), Head("diameter", 9, True)]
-    heads += [Head("flights", 7, True), Head("last motor", 14)][: 1 if narrow else 2]
+    heads += [Head("flights", 7, True), Head("last motor", MOTOR_CELLS)][: 1 if narrow else 2]
     return ListContents(heads, names.builds, cells, lambda group: group.names)
 
 

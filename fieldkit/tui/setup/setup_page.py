@@ -238,13 +238,13 @@ class SetupScreen(PageScreen):
             case "Motors":
                 return setup_card.of_motor(key, system)
             case "Rockets":
-                return setup_card.of_build(key, system, self._names.design(*key.names))
+                return setup_card.of_build(key, system, self._names.design(*key.names), self.resources.motors)
             case "Sites":
                 return setup_card.of_site(key, system)
             case "Kits":
                 return setup_card.of_kit(key, system)
             case _:
-                return setup_card.of_setting(key, MEANS[key])
+                return setup_card.of_setting(key, MEANS[key], self.resources.settings, self._box)
 
     def _list(self) -> ListContents:
         """The current list with the columns that fit."""

@@ -49,7 +49,7 @@ def circumstances(flight: Flight, system: str) -> list[tuple[str, str]]:
 def heading(flight: Flight, id: str) -> str:
     """A flight in a line: `2 · Astra A · F24-4W · 2026-05-01 10:30`."""
     rocket = " ".join(part for part in (flight.rocket, flight.config) if part)
-    parts = (id, rocket, flight.motor, answer_text(flight, "date_time"))
+    parts = (id.removeprefix(f"{flight.rocket}/"), rocket, flight.motor, answer_text(flight, "date_time"))
     return printable(" · ".join(part for part in parts if part))
 
 

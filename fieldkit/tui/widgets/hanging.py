@@ -102,6 +102,9 @@ def _broken(line: Content, width: int, column: int) -> list[Content]:
     if not more:
         return [line]
     column = column if width - column >= MIN_LINE_WIDTH else 2
+    word = line.plain[column:].partition(" ")[0]
+    if len(first.plain) <= column and len(word) > width - column:  # a path or an address that no line holds
+        first = line[: line.plain.rfind("/", column + 1, width) + 1 or width]
     rest = line[len(first.plain) :]
     rest = rest[len(rest.plain) - len(rest.plain.lstrip()) :]
     return [first, *(part.pad_left(column) for part in rest.wrap(max(1, width - column)))]

@@ -13,6 +13,10 @@ class Line(Input):
         self.takes_marks = takes_marks
         self.cursor_blink = False
 
+    def on_blur(self) -> None:
+        """Show the beginning of a text longer than the line."""
+        self.scroll_to(0, animate=False, immediate=True)
+
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
         """Whether a key is a character here; Textual finds no character for the key `slash`."""
         character = "/" if key == "slash" else character
