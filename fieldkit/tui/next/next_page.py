@@ -130,7 +130,7 @@ class ForecastCard(VerticalScroll):
     ForecastCard Static { height: auto; }
     ForecastCard #big { height: 3; width: 1fr; }
     ForecastCard #hill { height: 6; }
-    ForecastCard #thrust { height: 1fr; min-height: 12; max-height: 24; margin-top: 1; display: none;
+    ForecastCard #thrust { height: 1fr; min-height: 8; max-height: 24; margin-top: 1; display: none;
         border-top: solid $border-blurred; border-title-color: $foreground; }
     """
     text = ""
@@ -149,7 +149,7 @@ class ForecastCard(VerticalScroll):
 
     def on_mount(self) -> None:
         """Set the title of the thrust curve."""
-        self.query_one("#thrust", Plot).border_title = motor_facts.THRUST
+        self.query_one("#thrust", Plot).border_title = Content(motor_facts.THRUST)
 
     def show(self, plan: Plan, one: MotorChoice, settings: Settings, *, exact: bool) -> None:
         """Show the forecast of a plan on a motor; marked as provisional unless it is `exact`, as it would be saved."""
