@@ -239,6 +239,8 @@ async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> 
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
         assert "not given: press p on the Fly page to enter it" in text_of(pilot, "#answer")
         assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
+        assert "Drift on the way down by the wind at the pad" in text_of(pilot, "#title")
+        assert "edge of the field 200 m" in text_of(pilot, "#intervals")
         await press(pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", *["left"] * 5)
         answer = text_of(pilot, "#answer")
         assert "ellipse 90% of landings" in answer
