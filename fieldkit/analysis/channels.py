@@ -70,7 +70,7 @@ class Heights:
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` if samples near the
     speed of sound were removed because shocks faked a fall. `lag` is the delay from a filter or small vents, which has
     been removed [s]. `bend` is the time constant of a filter that they may be behind, whether they are corrected for it
-    or not: it bends the end of a descent [s].
+    or not: it bends the end of a descent [s]. `shift` is by how much their times were moved for it [s].
     """
 
     time: Float[Array, "time"]
@@ -81,6 +81,7 @@ class Heights:
     disturbed: bool = False
     lag: float = 0.0
     bend: float = 0.0
+    shift: float = 0.0
 
     @property
     def is_barometric(self) -> bool:
@@ -223,9 +224,8 @@ def _without_held(time: Float[Array, "_"], values: Float[Array, "_"], name: str)
     lasts, step = when[changes] - when[begins], np.maximum(when[changes + 1] - when[changes], 1e-3)
     shortest, noise = (_REPEAT_TIME, _FIX_NOISE) if name == "gps_altitude_msl" else (_HELD_TIME, _HELD_JUMP)
     enough = changes - begins >= _HELD_SAMPLES
-    jumps = np.abs(height[changes + 1] - height[changes]) > _BOOST_ACCELERATION * step**2 / 2 + noise + 3 * _resolution(
-        height
-    )
+    coarse = np.maximum(_resolution(height), resolution_at(height[changes], height))
+    jumps = np.abs(height[changes + 1] - height[changes]) > _BOOST_ACCELERATION * step**2 / 2 + noise + 3 * coarse
     kept = values.copy()
     for begin, end in zip(*(places[(lasts > shortest) & enough & jumps] for places in (begins, changes)), strict=True):
         kept[known[begin + 1 : end + 1]] = np.nan
@@ -332,6 +332,16 @@ def _sagitta(time: Float[Array, "_"]) -> Float[Array, "_"]:
     for part, step in stretches(time):
         found[part] = GRAVITY * (np.clip(_WINDOW, _MIN_SIZE * step, _MAX_SIZE * step) / 2) ** 2
     return found
+
+
+def resolution_at(levels: Float[Array, "_"], height: Float[Array, "_"]) -> Float[Array, "_"]:
+    """Resolution of recorded heights at some of them: the distance to the nearest other height of the log. [m]
+
+    Derivation: neighbors on a coarse scale are one step apart; with few digits it grows tenfold at a power of ten.
+    """
+    every = np.unique(height)
+    gaps = np.diff(every, prepend=-np.inf, append=np.inf)
+    return np.minimum(gaps[:-1], gaps[1:])[np.searchsorted(every, levels)]
 
 
 def _resolution(height: Float[Array, "_"]) -> float:

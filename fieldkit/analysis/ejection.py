@@ -84,7 +84,8 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     It is highest when the speed is if the braking is as strong as gravity, and earlier if it is stronger: evenly
     distributed in between, this has the root mean square of the largest shift over sqrt(3). Around its maximum the mean
     falls by at least 2g 3/4h t²/2, and noise n of heights d apart adds a Brownian motion of variance 72 n² d/(2h)^4 t,
-    whose maximum has Chernoff's distribution.
+    whose maximum has Chernoff's distribution. Behind a first-order lag T, a speed that gains g and then loses d g is
+    highest where both speeds meet: about T/(1 + d) late, and not T late as the top of a coast is.
     """
     span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
     time, height = track.time[span], track.height[span]
@@ -115,9 +116,12 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     sharp = 2 * GRAVITY * 0.75 / half
     walk = float(np.sqrt(72 * median_step(time))) * track.noise / (2 * half) ** 2
     moved = CHERNOFF_SD * (2 * walk / sharp) ** (2 / 3)
-    early = half * _shift(float(fall[fastest]) / max(final_speed, 1.0))
-    braked = Event(float(when[fastest]), float(np.hypot(early / np.sqrt(3), moved)), track.source)
-    return _in_hole(time[(time > braked.time - 2 * half) & (time < braked.time)], step, braked)
+    braking = max((float(fall[fastest]) / max(final_speed, 1.0)) ** 2 - 1, _LEAST_BRAKING)
+    early = half * _shift(braking)
+    fired = float(when[fastest]) + track.shift - track.bend / (1 + braking)
+    behind = float(np.hypot(track.bend / (1 + braking), track.lag * braking / (1 + braking))) / 2
+    braked = Event(fired, float(np.linalg.norm([early / np.sqrt(3), moved, behind])), track.source)
+    return _in_hole(time[(time > when[fastest] - 2 * half) & (time < when[fastest])], step, braked)
 
 
 def _in_hole(before: Float[Array, "_"], step: float, braked: Event) -> Event:
@@ -131,13 +135,14 @@ def _in_hole(before: Float[Array, "_"], step: float, braked: Event) -> Event:
     return replace(braked, time=braked.time - since / 2, sd=float(np.hypot(braked.sd, since / np.sqrt(12))))
 
 
-def _shift(faster: float) -> float:
+def _shift(braking: float) -> float:
     """How much earlier than a speed its mean with the weights of a parabola is highest, as a fraction of half its
-    width, if a parachute that falls at the final speed opens at once when the rocket is faster by a factor.
+    width, if a parachute brakes by so many times gravity at once.
 
     Derivation: it is where the part 1/(1 + d) of the weights is after the highest speed, because gravity and a braking
-    of d times gravity cancel there; d is the square of the factor minus one, and four in an opening parachute at least.
+    of d times gravity cancel there; d is the square of how many times faster than its final speed the rocket is, minus
+    one, and four in an opening parachute at least.
     """
     before = np.linspace(-1.0, 0.0, 101)
     part = 0.5 + 0.75 * (before - before**3 / 3)
-    return -float(np.interp(1 / (1 + max(faster**2 - 1, _LEAST_BRAKING)), part, before))
+    return -float(np.interp(1 / (1 + braking), part, before))

@@ -161,9 +161,13 @@ def boost_event(
         fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR
         burn = float(time[place]) - begin
         faded, level = _faded(ascent, value, float(time[place]), begin)
-        fades = FADE_SD * burn * max(1 - 2 * level, 0.0)
-        shape = float(np.hypot(0.03 + fraction * burn, fades))
-        late = float(np.linalg.norm([late, shape, ascent.burnout_sd])) if ascent.ended is None else ascent.ended.sd
+        blind = 0.03 + fraction * burn
+        shape = fades = float(np.hypot(blind, FADE_SD * burn * max(1 - 2 * level, 0.0)))
+        if is_barometric:
+            moment -= 2 * FADE * (level - 0.25) * burn
+            even = 2 * np.hypot(FADE, FADE_SD) / np.sqrt(48)
+            fades = float(np.linalg.norm([blind, 2 * FADE_SD * (level - 0.25) * burn, even * burn]))
+        late = float(np.linalg.norm([late, fades, ascent.burnout_sd])) if ascent.ended is None else ascent.ended.sd
         blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
@@ -175,7 +179,7 @@ def boost_event(
             static = float(np.hypot(static, min(shocks, _MAX_SPEED_ERROR) * value))
             spread = float(np.linalg.norm([spread, brakes * shape, brakes * ascent.burnout.lift_sd]))
         else:
-            contradicted = moment - ascent.burnout.marks.burnout if ascent.burnout is not None else 0.0
+            contradicted = float(time[place]) - ascent.burnout.marks.burnout if ascent.burnout is not None else 0.0
             expected, error = 0.0, (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * is_barometric
             static = min(error * brakes / GRAVITY, _MAX_SPEED_ERROR) * value
             spread = float(np.hypot(spread, brakes * late))
@@ -194,8 +198,10 @@ def _faded(ascent: Ascent, speed: float, moment: float, begin: float) -> tuple[f
 
     Derivation: the curve at burnout is the coast after it, extrapolated back to the time when thrust equals weight and
     drag. Thrust that fades from its mean to zero within t has t x²/2 of impulse left when it is the fraction x of its
-    mean: the coast is faster by that. A curve of the same impulse would end (1/2 - x) t earlier. Thrust per mass is the
-    mean acceleration plus gravity plus a third of the drag at burnout, the mean of v² in an even boost.
+    mean: the coast is faster by that. A curve of the same impulse would end (1/2 - x) t before top speed, one that ends
+    with the motor x t after it; static ports that are off make a fade look like such an end. So by a barometer it is
+    evenly distributed in between, around (x - 1/4) t after top speed with the standard deviation t/sqrt(48). Thrust per
+    mass is the mean acceleration plus gravity plus a third of the drag at burnout, the mean of v² in an even boost.
     """
     burn = moment - begin
     later = float(np.interp(moment + _FADE_TIME, ascent.time, ascent.speed))

@@ -136,7 +136,8 @@ def widened_by_unseen_lag(found: Recorded) -> Recorded:
     lag, prior = np.array(_USUAL_LAGS), _prior(_USUAL_LAGS)
     late, low = float(np.sqrt(prior @ lag**2)), GRAVITY / 2 * float(np.sqrt(prior @ lag**4))
     figures, events = dict(found.figures), dict(found.events)
-    for name, error in {"apogee": low, "time_to_apogee": late, "duration": late}.items():
+    times = ("time_to_apogee", "apogee_to_eject", "duration")
+    for name, error in {"apogee": low, **dict.fromkeys(times, late)}.items():
         if name in figures:
             figures[name] = replace(figures[name], sd=float(np.hypot(figures[name].sd, error)))
     for name in events.keys() & {"apogee", "landing"}:
@@ -148,7 +149,8 @@ def widened_by_filter(found: Recorded, lag: float) -> Recorded:
     """Results from heights behind a filter with a time constant [s], for which they are not corrected: what follows the
     boost is late, and the apogee low."""
     figures, events = dict(found.figures), dict(found.events)
-    errors = {"apogee": GRAVITY * lag**2 / 2, **dict.fromkeys(("time_to_apogee", "coast_to_apogee", "duration"), lag)}
+    times = ("time_to_apogee", "coast_to_apogee", "apogee_to_eject", "duration")
+    errors = {"apogee": GRAVITY * lag**2 / 2, **dict.fromkeys(times, lag)}
     if {"descent_speed", "duration", "time_to_apogee"} <= figures.keys():
         speed, falls = figures["descent_speed"].value, figures["duration"].value - figures["time_to_apogee"].value
         errors |= {"descent_speed": speed * lag / max(falls, lag), "eject_altitude": speed * lag}
@@ -171,16 +173,25 @@ def averaged(every: Sequence[Recorded], weights: Sequence[float], time: Float[Ar
 
     `time` are the times of the samples that show the boost. [s]
     """
-    best = every[int(np.argmax(weights))]
-    figures = {name: _mean([one.figures.get(name) for one in every], weights) for name in best.figures}
+    best, each = every[int(np.argmax(weights))], [_with_few_samples(one, time) for one in every]
+    figures = {name: _mean([one.get(name) for one in each], weights) for name in best.figures}
     events = {name: _moment([one.events.get(name) for one in every], weights) for name in best.events}
-    if "burn_time" in figures:
-        figures["burn_time"] = burn_time(figures["burn_time"], events["liftoff"], events["burnout"], time)
     if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
-        figures["avg_accel"] = mean_acceleration(figures["top_speed"], figures["burn_time"])
+        mixed, value = figures["avg_accel"], figures["top_speed"].value / figures["burn_time"].value
+        figures["avg_accel"] = replace(mixed, value=value, sd=float(np.hypot(mixed.sd, mixed.value - value)))
     known, impossible = possible(figures)
     known, unknown = known_well(known)
     return replace(best, figures=known, events=events, notes=(*best.notes, *impossible, *unknown))
+
+
+def _with_few_samples(found: Recorded, time: Float[Array, "time"]) -> dict[str, Figure]:
+    """Figures with errors of burn time and average acceleration that hold for samples at few times [s]."""
+    figures = dict(found.figures)
+    if "burn_time" in figures:
+        figures["burn_time"] = burn_time(figures["burn_time"], found.events["liftoff"], found.events["burnout"], time)
+    if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
+        figures["avg_accel"] = mean_acceleration(figures["top_speed"], figures["burn_time"])
+    return figures
 
 
 def _mean(every: Sequence[Figure | None], weights: Sequence[float]) -> Figure:

@@ -80,7 +80,7 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     time, felt = push.time[near], push.felt[near] - GRAVITY
     if time.size < 8:
         return None
-    quiet = felt[: max(3, min(int(np.searchsorted(time, about - 0.3)), _pushed(time, felt).start))]
+    quiet = felt[: max(1, min(int(np.searchsorted(time, about - 0.3)), _pushed(time, felt).start))]
     level, noise = float(np.median(quiet)), mad_sd(quiet)
     pushed = _pushed(time, felt - level)
     step, strong = median_step(time), float(np.median(felt[pushed]))

@@ -36,7 +36,7 @@ from fieldkit.analysis.notes import (
     SMOOTH_NOTE,
     UNCHECKED_NOTE,
 )
-from fieldkit.analysis.phases import Outline, is_similar, next_flight, outline, rest_in_climb
+from fieldkit.analysis.phases import Outline, after_hovering, is_similar, next_flight, outline, rest_in_climb
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.analysis.satellites import sightings
@@ -96,11 +96,13 @@ def by_device(clocks: Sequence[Series], recorded: Recorded, stated: Mapping[str,
 
 
 def _first_flight(clocks: Sequence[Series]) -> tuple[Array, Heights, Outline] | None:
-    """The best heights of a log that rise like a rocket: a channel that is stuck or empty does not hide another. With
-    the times of all of its samples [s] and its outline."""
+    """The best heights of a log that rise like a rocket: a channel that is stuck or empty does not hide another, nor
+    does what hovered before. With the times of all of its samples [s] and its outline."""
     for every in all_heights(clocks):
         track = undisturbed(every)
         seen = outline(track)
+        while seen is not None and (later := after_hovering(track, seen)) is not None:
+            track, seen = later, outline(later) if later.time.size >= MIN_SAMPLES else None
         if seen is not None:
             return every.time, track, seen
     return None
@@ -317,7 +319,7 @@ def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline
         return track, seen
     lift = None if seen.lift is None else seen.lift - lag
     earlier = replace(seen, lift=lift, fastest=seen.fastest - lag, top=seen.top - lag)
-    return replace(track, time=track.time - lag, lag=lag), earlier
+    return replace(track, time=track.time - lag, lag=lag, shift=lag), earlier
 
 
 def _highest(track: Heights, seen: Outline) -> tuple[Heights, Outline, tuple[str, ...]]:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis.channels import Heights, rest_level
+from fieldkit.analysis.channels import Heights, resolution_at, rest_level
 from fieldkit.analysis.robust_statistics import lag_one, median_step, running_median_over, stretches
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 LEAST_GAIN = 5.0
@@ -38,6 +39,8 @@ climb and of its speed, and has at least so many samples. [1]"""
 _LOW_FLIGHT, _OTHER_CHANGES = 50.0, 5.0
 """A climb below this height [m] is this many times as high as what is usual in the rest of its log [1]."""
 
+_HOVERS = 10.0
+"""How long something stays right below its top that is no rocket, beyond the time of a coast. [s]"""
 _BETWEEN_FLIGHTS = 5.0
 """Shortest rest between two flights; shocks make a rocket appear to fall for less. [s]"""
 
@@ -120,6 +123,23 @@ def _stands_out(time: Float[Array, "_"], calm: Float[Array, "_"], climb: tuple[i
     return every.size < _MIN_NEXT or gain > _OTHER_CHANGES * float(np.median(every))
 
 
+def after_hovering(track: Heights, seen: Outline) -> Heights | None:
+    """The heights once what rose is down again, if it hovered before its top, as in a vacuum chamber or a drone; None
+    for a rocket.
+
+    Derivation: a coast climbs its last meters h in sqrt(2h/g), with drag in less.
+    """
+    last = max(LEAST_GAIN, 8 * track.noise)
+    top = int(np.searchsorted(track.time, seen.top))
+    below = np.flatnonzero(seen.calm[:top] < seen.top_height - last)
+    there = track.time[below[-1] + 1 : top] if below.size else track.time[:top]
+    if not there.size or seen.top - there[0] < _HOVERS + float(np.sqrt(2 * last / GRAVITY)):
+        return None
+    low = np.flatnonzero(seen.calm[top:] - seen.pad < _LANDED_FRACTION * (seen.top_height - seen.pad))
+    rest = slice(top + int(low[0]) if low.size else track.time.size, None)
+    return replace(track, time=track.time[rest], height=track.height[rest])
+
+
 def next_flight(track: Heights, seen: Outline) -> float | None:
     """When the next flight in the same log lifts off, after the rocket is down; None if there is none. [s]"""
     gain = seen.top_height - seen.pad
@@ -187,7 +207,8 @@ def _lift(
 def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation, from the log up to lift-off. [m]
 
-    A zero that drifts there continues to drift, and has that error at apogee. Without samples at rest on the pad, the
+    A zero that drifts there continues to drift, and has that error at apogee. If all samples there are one number, the
+    pad is anywhere within its resolution. Without samples at rest on the pad, the
     pad is the logger's own zero. If the logger does not set a zero and the log begins in flight, the standard deviation
     is infinite.
     """
@@ -206,7 +227,8 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     independent = max(height.size * (1 - lag1) / (1 + lag1), 1.0)
     wind_sd = max(float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1), WIND_PRESSURE_SD)
     scatter = float(np.hypot(track.noise / np.sqrt(independent), wind_sd))
-    return level, float(np.linalg.norm([scatter, least, _drift(track, lift) * (top - lift + 5)]))
+    coarse = float(resolution_at(height[:1], track.height)[0]) / np.sqrt(12) if np.ptp(height) == 0 else 0.0
+    return level, float(np.linalg.norm([scatter, least, coarse, _drift(track, lift) * (top - lift + 5)]))
 
 
 def _drift(track: Heights, lift: float) -> float:

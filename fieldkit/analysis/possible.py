@@ -58,8 +58,9 @@ _NAMES = {
     "peak_accel": "peak acceleration",
     "top_speed": "top speed",
     "descent_speed": "descent speed",
+    "coast_to_apogee": "coast to apogee",
 }
-_MEASURED_FROM_ZERO = tuple(_NAMES)
+_MEASURED_FROM_ZERO = (*BOOST, "top_speed", "descent_speed")
 _MAX_RELATIVE_SD = 0.5
 """Largest relative standard deviation of a reported figure; beyond it zero is within two standard deviations. [1]"""
 
@@ -172,7 +173,8 @@ def _without_boost(figures: Mapping[str, Figure], speed: Figure, needed: str) ->
 def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
     """The figures that a rocket can have, and a phrase for each removed one.
 
-    An average above the peak by no more than their errors is known to be below it.
+    An average above the peak by no more than their errors is known to be below it. An impossible boost is of a burnout
+    at the wrong time, unless an accelerometer felt it, and so is the coast after it.
     """
     mean, peak = figures.get("avg_accel"), figures.get("peak_accel")
     why = ""
@@ -188,7 +190,9 @@ def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[st
         why = f"{strongest / GRAVITY:.0f} g is more than any airframe survives"
     if not why:
         return dict(figures), ()
-    out = [name for name in BOOST if name in figures]
+    burn = figures.get("burn_time")
+    felt = burn is not None and sensor(burn.source) == "accel"
+    out = [name for name in (*BOOST, *(() if felt else ("coast_to_apogee",))) if name in figures]
     names = ", ".join(_NAMES[name] for name in out)
     return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}; {why}",)
 

@@ -146,4 +146,22 @@ def test_a_mean_of_speeds_is_highest_before_a_parachute_brakes_hard(faster: floa
     speed = GRAVITY * np.where(time < 0, time, -(faster**2 - 1) * time)
     weights = 1 - np.linspace(-1.0, 1.0, 401) ** 2
     highest = time[np.argmax(np.convolve(speed, weights, "same")[500:-500]) + 500]
-    assert highest == pytest.approx(-0.4 * _shift(faster), abs=0.005)
+    assert highest == pytest.approx(-0.4 * _shift(faster**2 - 1), abs=0.005)
+
+
+@pytest.mark.parametrize("lag", [0.3, 1.0])
+def test_a_charge_behind_a_filter_is_dated_by_what_the_filter_makes_of_its_braking(lag: float) -> None:
+    """The top of a coast is late by the lag, from which the times are freed; a sudden braking is hardly late."""
+    step, fired, final = 0.04, 2.0, 5.0
+    time = np.arange(-4.0, 20.0, step)
+    fall = np.where(time < fired, GRAVITY * time, final + (GRAVITY * fired - final) * np.exp(-(time - fired) / 0.3))
+    height = 200 - np.cumsum(fall) * step
+    shown = height.copy()
+    for place in range(1, shown.size):
+        shown[place] = shown[place - 1] + (1 - np.exp(-step / lag)) * (height[place] - shown[place - 1])
+    noise = np.random.default_rng(3).normal(0, 0.05, time.size)
+    track = Heights(time - lag, shown + noise, True, 0.05, "barometric altitude", bend=lag, shift=lag)
+    found = _braked(track, Event(0.0, 0.1, "barometric altitude"), 15.0)
+    assert found is not None
+    assert found.time == pytest.approx(fired, abs=0.15 * lag + 0.1)
+    assert abs(found.time - fired) < 2 * found.sd

@@ -58,7 +58,8 @@ def test_burnout_from_pressure_is_less_certain_if_thrust_fades() -> None:
         assert found is not None
         sds.append(found[0].sd)
     level = 40 / (150 + GRAVITY + (40 - GRAVITY) / 3)  # of the thrust at which the speed is highest
-    assert sds[0] == pytest.approx(np.linalg.norm([0.05, 0.05, FADE_SD * (1 - 2 * level)]), rel=0.1)
+    fades = 2 * np.array([FADE_SD * (level - 0.25), np.hypot(FADE, FADE_SD) / np.sqrt(48)])
+    assert sds[0] == pytest.approx(np.linalg.norm([0.05, 0.05, *fades]), rel=0.1)
     assert sds[1] > 2 * sds[0]
 
 
@@ -130,6 +131,7 @@ def test_the_fading_of_thrust_agrees_with_the_catalog() -> None:
 
 @pytest.mark.parametrize("drag", [0.002, 0.004, 0.006])
 def test_a_coast_extrapolated_to_burnout_is_corrected_for_thrust_that_fades(drag: float) -> None:
+    """The curve ends with the motor, or in the middle of its fade; top speed is evenly between what both show."""
     step, fades, ends = 0.002, 2 * FADE, 1.0
     time = np.arange(0, 4, step)
     speed = np.zeros(time.size)
@@ -137,16 +139,22 @@ def test_a_coast_extrapolated_to_burnout_is_corrected_for_thrust_that_fades(drag
         speed[place + 1] = speed[place] + step * (thrust - GRAVITY - drag * speed[place] ** 2)
     right, top = float(speed.max()), int(np.argmax(speed))
     curve = speed.copy()
-    for place in range(round((ends + fades) / step), top, -1):
+    for place in range(round((ends + fades) / step), 0, -1):
         curve[place - 1] = curve[place] + step * (GRAVITY + drag * curve[place] ** 2)
-    curve[:top] = curve[top] * time[:top] / time[top]
-    net, height = np.gradient(curve, step), np.cumsum(curve) * step
-    draws = (np.tile(one, (2, 1)) for one in (height, curve, net))
-    ascent = Ascent(time, height, curve, net, *draws, noise=0.4, burnout_sd=0.05, fused=False)
-    found = boost_event(ascent, None, 0.0, 3.0, "GPS altitude")
-    assert found is not None
-    assert found[1].value == pytest.approx(right, abs=0.25 * (curve.max() - right))
-    assert found[0].time == pytest.approx(time[top], abs=0.01)
+    found = []
+    for end in (top, round((ends + fades / 2) / step), round(ends / step)):
+        shown = np.where(time < time[end], curve[end] * time / time[end], curve)
+        net, height = np.gradient(shown, step), np.cumsum(shown) * step
+        draws = (np.tile(one, (2, 1)) for one in (height, shown, net))
+        ascent = Ascent(time, height, shown, net, *draws, noise=0.4, burnout_sd=0.0, fused=False)
+        one = boost_event(ascent, None, 0.0, 3.0, "barometric altitude")
+        assert one is not None
+        found.append(one)
+    assert found[0][1].value == pytest.approx(right, abs=0.25 * (curve[top] - right))
+    late, early = (one[0] for one in found[1:])
+    assert early.time < time[top] < late.time
+    assert (early.time + late.time) / 2 == pytest.approx(time[top], abs=0.02)
+    assert late.time - time[top] < 2 * late.sd
 
 
 def test_the_end_of_thrust_between_two_samples_of_an_accelerometer_is_known_better_than_the_curve() -> None:

@@ -35,6 +35,7 @@ RIGHT = (
     "heights alone with points between thousands",
     "numbered packets, some lost",
     "heights zeroed when the flight is noticed",
+    "a vacuum chamber before the flight",
 )
 REFUSED = (
     "cut off in the boost",
