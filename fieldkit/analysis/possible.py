@@ -61,7 +61,7 @@ _NAMES = {
     "coast_to_apogee": "coast to apogee",
 }
 _MEASURED_FROM_ZERO = (*BOOST, "top_speed", "descent_speed")
-_MAX_RELATIVE_SD = 0.5
+MAX_RELATIVE_SD = 0.5
 """Largest relative standard deviation of a reported figure; beyond it zero is within two standard deviations. [1]"""
 
 
@@ -208,7 +208,7 @@ def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[
 
 
 def _is_unknown(figure: Figure) -> bool:
-    return figure.sd > _MAX_RELATIVE_SD * abs(figure.value)
+    return figure.sd > MAX_RELATIVE_SD * abs(figure.value)
 
 
 def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, highest: float, climbs: float) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fieldkit.analysis.possible import MAX_RELATIVE_SD
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Note, Parsed, Reading
@@ -400,7 +401,10 @@ def test_a_flash_log_and_its_export_give_the_same_figures(name: str) -> None:
     flash_flight, export = (
         next(one for one in read_log(log, file, any_motor).recorded if one is not None) for file, log in both
     )
-    assert export.figures.keys() == flash_flight.figures.keys()
-    for readout, figure in flash_flight.figures.items():
-        other = export.figures[readout]
+    every = {**export.figures, **flash_flight.figures}
+    for readout, figure in every.items():
+        other, own = export.figures.get(readout), flash_flight.figures.get(readout)
+        if other is None or own is None:  # rounding in the export decides whether it is known at all
+            assert figure.sd > 0.95 * MAX_RELATIVE_SD * figure.value, readout
+            continue
         assert other.value == pytest.approx(figure.value, abs=max(0.5 * figure.sd, 0.01)), readout
