@@ -457,7 +457,7 @@ def _round(arguments: tuple[str, int, int]) -> list[dict[str, Any]]:
 def main() -> None:
     """Run the bench, or print what a file contains."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--cases", type=int, default=40, help="cases for each cause and strength")
+    parser.add_argument("--cases", type=int, default=16, help="cases for each cause and strength")
     parser.add_argument("--as", dest="kinds", nargs="+", choices=FLOWN_AS, default=[READOUTS], help="how recorded")
     parser.add_argument("--seed", type=int, default=31)
     parser.add_argument("--processes", type=int, default=1)
