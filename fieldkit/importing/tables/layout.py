@@ -258,7 +258,8 @@ def runs_like_a_log(head: bytes) -> bool:
     lines = head.decode(text, "replace").splitlines()[layout.above : layout.above + _CLOCK_ROWS]
     cells = [split(line, layout.separator) for line in lines if line.strip()][:-1]
     times = [row[clocks[0]].replace(layout.decimal, ".") for row in cells if len(row) > clocks[0]]
-    numbers = [float(cell) for cell in times if re.fullmatch(r"\s*[+-]?\d+(\.\d+)?\s*", cell)]
+    plain = (re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?)\s*", cell) for cell in times)
+    numbers = [float(one[1]) for one in plain if one]
     steps = sorted(after - before for before, after in pairwise(numbers))
     if len(steps) < _LEAST_CLOCK_STEPS or steps[0] <= 0:
         return False
