@@ -11,7 +11,7 @@ from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import AsJson, complain, print_card, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
 from fieldkit.cli.stream import stream_json, stream_table
-from fieldkit.errors import FieldkitError, nearest, unknown
+from fieldkit.errors import FieldkitError, LedgerError, nearest, unknown
 from fieldkit.flight import BY_NAME, TAGS, read_tags
 from fieldkit.flight.event_names import event_title
 from fieldkit.flight.limits import check_name
@@ -134,11 +134,14 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
 
 
 def _beside_others(ledger: "Ledger", flight: "Flight") -> "FlightBesideOthers | None":
-    """A flight beside the others of its rocket; None if it cannot be simulated."""
+    """A flight beside the others of its rocket; None if it cannot be simulated. Raises LedgerError for a damaged
+    ledger: without the others' figures the answer would be another one."""
     from fieldkit.services.one_offs import flight_beside_others
 
     try:
         return flight_beside_others(ledger, MotorCheck().catalogue, flight)
+    except LedgerError:
+        raise
     except FieldkitError:
         return None
 

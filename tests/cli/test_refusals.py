@@ -2,9 +2,11 @@
 
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -253,3 +255,12 @@ def test_too_little_memory_is_reported_in_one_line(
     monkeypatch.setattr("fieldkit.cli.main._status", exhausted)
     assert main(["flights"]) == 1
     assert "too little memory" in capsys.readouterr().err
+
+
+def test_a_flight_beside_a_damaged_one_is_not_shown_without_its_comparison(filled: Run, tmp_path: Path) -> None:
+    """Flipped bits in another flight of the rocket made `show` leave out what it compares, and say nothing."""
+    filled("show", "2")
+    with closing(sqlite3.connect(tmp_path / "ledger.db")) as raw, raw:
+        raw.execute("UPDATE flights SET apogee = 101.0 WHERE flight_id = '1'")
+    message = filled("show", "2", status=1).err
+    assert "the file is damaged (a row of 1 of" in " ".join(message.split())
