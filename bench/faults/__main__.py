@@ -230,7 +230,7 @@ def page(found: Sequence[Outcome], command: str, of: str, others: int, calls_eac
     return text.format(
         command=command, commit=of, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
         system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
-        reads=min(failing.MAX_READS, calls_each), limited=limited, others=others, every=f"{laptops.EVERY:g}",
+        reads=min(failing.MAX_READS, calls_each), limited=limited, others=others,
     )  # fmt: skip
 
 
