@@ -16,7 +16,15 @@ from fieldkit import units
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight.limits import LIMITS
-from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, doubts, implausible, not_measured
+from fieldkit.flight.plausibility import (
+    READ_TOO_HIGH,
+    best_apogee,
+    best_speed,
+    descent_ratio,
+    doubts,
+    implausible,
+    not_measured,
+)
 from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
 from fieldkit.importing.manual_entry import implausible_answers
 from fieldkit.ledger import Ledger
@@ -211,6 +219,11 @@ def test_a_way_down_that_contradicts_itself_is_questioned(changes: dict[str, obj
     assert [phrase in one for one in found] == [True] * bool(phrase)
     marked = [name for name in BY_NAME if implausible_answers(DOWN.with_changes(**changes), name)]
     assert marked == (["eject_altitude", "descent_speed", "duration"] if phrase else [])
+
+
+def test_a_way_down_after_an_undetected_coast_says_nothing() -> None:
+    assert descent_ratio(DOWN) == pytest.approx(1.0)
+    assert descent_ratio(DOWN.with_changes(coast_to_apogee=0.0)) is None
 
 
 def test_a_ratio_to_the_usual_is_written_in_digits(run_command: Run) -> None:
