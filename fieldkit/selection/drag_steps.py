@@ -83,8 +83,9 @@ class DragStep:
 class FlightDrag:
     """Drag of one flight along its coast relative to the rocket's own, with standard deviations, and its steps.
 
-    `member` is the probability that it has a step [1], of which `lone` is that of one of its own; `mean` is its
-    expected mean drag over the coast relative to the rocket's own, weighted by what it takes from the speed [1].
+    `member` is the probability that it has a step [1]: `shared` if drag switches on some flights of the rocket, and
+    `lone` if not, so that the step is its own. `mean` is its expected mean drag over the coast relative to the rocket's
+    own, weighted by what it takes from the speed [1].
     """
 
     flight_id: str
@@ -93,6 +94,7 @@ class FlightDrag:
     sd: Float[Array, "interval"]
     steps: tuple[DragStep, ...]
     member: float
+    shared: float
     lone: float
     mean: float
     source: str
@@ -188,13 +190,14 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     own_sd = float(np.sqrt(by_level @ (levels - own) ** 2)) / own
     size = float(by_mean @ means)
     size_sd = float(np.sqrt(by_mean @ (means - size) ** 2))
-    members = present * np.einsum("flmp,lmp->f", np.exp(np.log(fractions) + some[..., None] - mixed), weight)
-    lone_chance = np.exp(np.log(LONE_PROBABILITY) + lone - plain)
-    lones = (1 - present) * lone_chance @ weight_alone
+    shared = np.einsum("flmp,lmp->f", np.exp(np.log(fractions) + some[..., None] - mixed), weight)
+    lones = np.exp(np.log(LONE_PROBABILITY) + lone - plain) @ weight_alone
     flights = []
-    for log, member, single in zip(logs, members.tolist(), lones.tolist(), strict=True):
-        shared = (size, float(np.hypot(size_sd, SIZE_SD * abs(size)))) if member > single else (0.0, LONE_SD)
-        flights.append(replace(_flight(given_ports(log, error), member + single, own, own_sd, shared), lone=single))
+    for log, common, single in zip(logs, shared.tolist(), lones.tolist(), strict=True):
+        parts = present * common, (1 - present) * single
+        sizes = (size, float(np.hypot(size_sd, SIZE_SD * abs(size)))) if parts[0] > parts[1] else (0.0, LONE_SD)
+        shown = _flight(given_ports(log, error), sum(parts), own, own_sd, sizes)
+        flights.append(replace(shown, shared=common, lone=single))
     fraction = float(weight.sum(axis=(0, 1)) @ fractions)
     return DragSteps(log_bayes, present, own, own_sd, size, size_sd, fraction, tuple(flights), error)
 
@@ -315,9 +318,9 @@ def _plain(none: Array, pulse: Array, lone: Array) -> Float[Array, "*any"]:
     return np.asarray(np.logaddexp.reduce([rest, np.log(PULSE_PROBABILITY) + pulse, np.log(LONE_PROBABILITY) + lone]))
 
 
-def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: tuple[float, float]) -> FlightDrag:
+def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, sizes: tuple[float, float]) -> FlightDrag:
     """Drag along a flight and its steps, given the rocket's own drag, and the mean size of steps and its spread."""
-    level, (size, spread) = own / log.unit, shared
+    level, (size, spread) = own / log.unit, sizes
     fine = possible_steps(log, log.profile.speed.size)
     count, weights, means, variances = log.profile.speed.size, [], [], []
     chance = _chances(fine, level, size, spread)
@@ -342,7 +345,7 @@ def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: t
     steps = _found(log.profile, fine, level, size, spread, member) if member > _LEAST_SHOWN else ()
     mean = float(taken @ ratio / taken.sum())
     time, source = log.profile.time_from_liftoff, log.profile.source
-    return FlightDrag(log.flight_id, time, ratio, sd, steps, member, 0.0, mean, source)
+    return FlightDrag(log.flight_id, time, ratio, sd, steps, member, member, 0.0, mean, source)
 
 
 def _shape(steps: PossibleSteps, row: int, count: int) -> Float[Array, "interval"]:

@@ -165,16 +165,18 @@ def step_candidate(model: Model, forces: LoggedForces | None) -> tuple[Candidate
 
 
 def with_probability(forces: LoggedForces, probability: float) -> LoggedForces:
-    """The forces with steps at most as probable as the whole evidence, readouts included, makes them [1]."""
+    """The forces with drag that switches at most as probable as the whole evidence, readouts included, makes it [1].
+
+    By the law of total probability a flight's step then is more probably one of its own.
+    """
     if forces.steps is None or probability >= forces.steps.present:
         return forces
-    part = probability / forces.steps.present
-    return replace(forces, drag={name: _with_probability(one, part) for name, one in forces.drag.items()})
+    return replace(forces, drag={name: _with_probability(one, probability) for name, one in forces.drag.items()})
 
 
-def _with_probability(one: FlightDrag, part: float) -> FlightDrag:
-    """A flight whose steps are less probable by a factor, except for one of its own. [1]"""
-    member = one.lone + part * (one.member - one.lone)
+def _with_probability(one: FlightDrag, probability: float) -> FlightDrag:
+    """A flight of a rocket on which drag switches with this probability. [1]"""
+    member = probability * one.shared + (1 - probability) * one.lone
     factor = member / max(one.member, 1e-9)
     steps = tuple(replace(step, probability=factor * step.probability) for step in one.steps)
     return replace(one, member=member, steps=steps)

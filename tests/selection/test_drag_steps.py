@@ -7,6 +7,7 @@ import pytest
 
 from fieldkit.analysis.force_profile import drag_profile
 from fieldkit.selection.drag_steps import DragSteps, LoggedDrag, drag_steps
+from fieldkit.selection.logged_forces import LoggedForces, with_probability
 from tests.analysis.coasts import coast_log
 
 OWN, PRIOR = 1.2e-3, -2.6
@@ -83,6 +84,20 @@ def test_what_one_flight_alone_shows_is_not_a_property_of_the_rocket() -> None:
     found = steps([2.5, None, None, None, None, None])
     assert found.flights[0].member > 0.5
     assert found.present < 0.67
+
+
+def test_a_step_is_one_of_its_flight_if_drag_does_not_switch_on_the_others() -> None:
+    """The law of total probability, with the odds of drag that switches as the logs alone have them, and lower."""
+    found = steps([2.5, None, 3.0, None, None], ratio=2.5)
+    forces = LoggedForces({one.flight_id: one for one in found.flights}, {}, found, {})
+    for probability in (found.present, 0.3):
+        for one in with_probability(forces, probability).drag.values():
+            assert one.member == pytest.approx(probability * one.shared + (1 - probability) * one.lone)
+            assert all(step.probability <= one.member + 1e-9 for step in one.steps)
+    first, second = (with_probability(forces, 0.3).drag[name] for name in ("0", "1"))
+    assert first.lone > 0.9
+    assert first.member > 0.9
+    assert second.member < 0.1
 
 
 def test_no_logs_show_nothing() -> None:
