@@ -205,3 +205,30 @@ def test_a_first_column_named_by_a_unit_of_time_is_the_clock(name: str, scale: f
     assert "acceleration" in reading.figures["burn_time"].source
     with pytest.raises((DamagedLog, UnknownFormat)):
         opened(table(f"altitude (m),{name}", SEEN, scale * (TIME + 3)))
+
+
+@pytest.mark.parametrize(
+    ("names", "time", "heights"),
+    [
+        ("time,altitude", 1e3, HEIGHT * 100),
+        ("time,altitude", 1e6, HEIGHT * 1000),
+        ("time,altitude", 100, HEIGHT),
+        ("time (h),altitude (m)", 1 / 3600, HEIGHT),
+        ("ticks (10 ms),Height_above_pad", 100, HEIGHT),
+        ("time_s,alt (ft x10)", 1, HEIGHT / FOOT * 10),
+        ("time_s,estimated_altitude_m", 1, HEIGHT),
+        ("time_s,alt_ft_msl", 1, (HEIGHT + PAD) / FOOT),
+        ("millis,Pressure [Pa*10]", 1e3, PRESSURE * 10),
+        ("millis,pressure", 1e3, PRESSURE * 10),
+        ("seconds,mBar", 1, PRESSURE / 100),
+    ],
+)
+def test_clocks_and_heights_that_state_no_usual_unit_are_read(names: str, time: float, heights: np.ndarray) -> None:
+    clock = text((TIME + 3) * time, "{:.8f}")
+    assert apogee(table(names, clock, heights)) == pytest.approx(APOGEE, abs=1.0)
+
+
+@pytest.mark.parametrize(("names", "ticks", "unit"), [("time,altitude (m)", 20, 1), ("time,altitude (ft)", 128, FOOT)])
+def test_a_clock_that_gravity_contradicts_is_refused(names: str, ticks: float, unit: float) -> None:
+    with pytest.raises(DamagedLog, match=r"time=#1 \[m?s\]"):
+        opened(table(names, (TIME + 3) * ticks, HEIGHT / unit))

@@ -15,6 +15,7 @@ from fieldkit.importing.tables.headings import (
     Heading,
     barometric,
     channel,
+    estimated,
     heading,
     is_pressure,
     stated_unit,
@@ -115,12 +116,13 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
         if name and not layout.says(place) and (columns is None or place in columns):
             unit = stated_unit(head, "felt" if name == "felt?" else name) or layout.suffix(place)
             picks.append(Pick(name, place, head.spelled, _clock_unit(name, unit, layout, place)))
-    if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
-        picks += [
-            Pick("altitude", place, head.spelled, stated_unit(head, "altitude"))
-            for place, head in enumerate(heads)
-            if barometric(head) and not layout.says(place) and (columns is None or place in columns)
-        ]
+    for of_a_filter in (barometric, estimated):
+        if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
+            picks += [
+                Pick("altitude", place, head.spelled, stated_unit(head, "altitude") or layout.suffix(place))
+                for place, head in enumerate(heads)
+                if of_a_filter(head) and not layout.says(place) and (columns is None or place in columns)
+            ]
     picks = _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
     if layout.interval and layout.named and "time" not in {pick.channel for pick in picks}:
         picks.append(_row_clock(layout, layout.interval))
@@ -151,6 +153,8 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
     found = [Pick("time", clocks[0], heads[clocks[0]].spelled, "clock")] if clocks and "time" not in named else []
     if not (found or named & {"time"}) and 0 in heads and heads[0].words in _CLOCK_UNITS:
         found = [Pick("time", 0, heads[0].spelled, heads[0].words[0])]
+    if not (found or named & {"time"}):
+        found = [Pick("time", place, head.spelled, "") for place, head in heads.items() if head.words == ("utc",)][:1]
     if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
         head = heads[barometers[0]]
         found.append(Pick("pressure", barometers[0], head.spelled, stated_unit(head, "pressure")))

@@ -14,6 +14,7 @@ from fieldkit.importing.tables.headings import QUANTITIES, barometric, heading, 
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
+    clock_units,
     epoch_unit,
     height_of_ratio,
     height_unit_by_pressure,
@@ -65,7 +66,7 @@ def units_of(
     if by_channel.get("time") and by_channel["time"].unit and not epoch_unit(values["time"]):
         settled.pop("time", None)  # a unit that is stated but unknown, as in `time (ticks)`, is not replaced by a guess
     for name, one in settled.items():
-        units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
+        units[name] = unit_named(QUANTITIES[name.rstrip("?")], one.unit) or Unit(1.0), one.unit, one.why
     left_out: dict[str, str] = {}
     for name, pick in by_channel.items():
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
@@ -73,7 +74,7 @@ def units_of(
         if name not in units and (pick.chosen or only or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that implies one"
-            usual = _usual_height(values, units) if name == "altitude" else _usual(name)
+            usual = _usual(name, values, units)
             raise DamagedLog(
                 f"found {found}, expected one of {expected}: write --map '{name}=#{pick.place + 1} [{usual}]'",
                 column=printable(pick.name),
@@ -95,8 +96,8 @@ def _check_pressure(
     other = settle_pressure(pressure)
     if needed and not _PAD_PRESSURES[0] < highest < _PAD_PRESSURES[1]:
         raise DamagedLog(
-            f"found pressures up to {highest / 100:.0f} hPa by the unit {shown(stated[1])}, expected about 1000 hPa; "
-            f"write --map 'pressure=#{pick.place + 1} [{other.unit if other else 'hPa'}]', or the unit that you trust",
+            f"found pressures up to {highest / 100:.0f} hPa by the unit {shown(stated[1])}, expected about 1000 hPa"
+            + (f"; write --map 'pressure=#{pick.place + 1} [{other.unit}]', or the unit that you trust" if other else ""),
             column=pick.name,
         )
 
@@ -117,10 +118,12 @@ def _by_physics(
     shows: tuple[str, ...] = (by_pressure,) if by_pressure else ()
     why = "the pressure column"
     if not by_pressure:
-        if "time" not in units or plain(name) not in ("m", "ft"):
+        if "time" not in units:
             return stated
         seconds = {**values, "time": to_si(units["time"][0], values["time"])}
-        shows, why = height_units_by_free_fall(seconds, plain(name)), "gravity before apogee"
+        if height_units_by_free_fall({**seconds, "altitude": to_si(unit, values["altitude"])}, "m") == ("m",):
+            return stated
+        shows, why = height_units_by_free_fall(seconds, ""), "gravity before apogee"
     if not shows or any(0.7 < unit.factor / UNITS["length"][one].factor < 1.4 for one in shows):
         return stated
     if pick.chosen:
@@ -132,17 +135,18 @@ def _by_physics(
     )
 
 
-def _usual(name: str) -> str:
-    """The unit that an error suggests for a channel."""
-    return {"time": "s", "pressure": "Pa"}.get(name, next(iter(UNITS[QUANTITIES[name]])))
-
-
-def _usual_height(values: Mapping[str, Float[Array, "row"]], units: Mapping[str, tuple[Unit, str, str]]) -> str:
-    """The unit that an error suggests for heights: the one that gravity implies, if there is one."""
-    if "time" not in units:
-        return _usual("altitude")
-    fits = height_units_by_free_fall({**values, "time": to_si(units["time"][0], values["time"])}, "")
-    return fits[0] if len(fits) == 1 else _usual("altitude")
+def _usual(
+    name: str, values: Mapping[str, Float[Array, "row"]], units: Mapping[str, tuple[Unit, str, str]]
+) -> str:
+    """The unit that an error suggests for a channel: the one that its steps or gravity imply, if there is one."""
+    fits: tuple[str, ...] = ()
+    if name == "time":
+        fits = clock_units(values["time"])
+    elif name == "altitude" and "time" in units:
+        seconds = {**values, "time": to_si(units["time"][0], values["time"])}
+        fits = height_units_by_free_fall(seconds, "")
+        fits = fits if len(fits) == 1 else ()
+    return fits[0] if fits else {"pressure": "Pa"}.get(name, next(iter(UNITS[QUANTITIES[name]])))
 
 
 def _settled(

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 
-from fieldkit.units import Unit, is_unit, named, plain
+from fieldkit.units import UNITS, Unit, is_unit, named, plain
 
 QUANTITIES: Mapping[str, str] = {
     "time": "time",
@@ -93,6 +93,8 @@ _REFERENCES = frozenset({"qnh", "slp", "reference"}) | _ROLES["sea_level"]
 """Words of a pressure that is that of the day, not that of a sample."""
 _SENSORS = frozenset({"baro", "barometric", "accel", "inertial", "gps", "agl", "msl", "asl", "amsl"})
 """Words beside a unit in brackets that name the sensor or the zero of a height: `Baro-Ft`, `m, gps`, `ft AGL`."""
+_AFTER_UNITS = _SENSORS | {"x", "y", "z", "up", "raw"}
+"""Words that may follow a unit that is not in brackets: `alt_ft_msl`, `accel_g_x`."""
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _HEIGHT_ZERO = re.compile(r"(.*?)[,;]?\s{1,4}((?:above )?(?:ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `m above sea level`."""
@@ -100,6 +102,8 @@ _G_FORCE = re.compile(r"\bg[ _-]force", re.IGNORECASE)
 """An acceleration in two words."""
 _SCALED = re.compile(r"[x×]?\s?(\d{1,6}(?:\.\d{1,6})?)(?:/(\d{1,6}))?\s?([^\W\d].{0,10})")
 """A multiple or a fraction of a unit: `10ms`, `1/100 s`, `0.1 m`."""
+_MULTIPLIED = re.compile(r"([^\W\d].{0,10}?)\s?[*x×]\s?(10{1,6})")
+"""A unit whose numbers were multiplied to be whole: `Pa*10`."""
 _QUOTIENT = re.compile(r"([^/]{1,40}?)\s?/\s?(\([^()]{1,12}\)|[^\s()]{1,12})")
 """A name divided by its unit: `h/m`, `v/(m/s)`."""
 
@@ -160,10 +164,16 @@ def unit_named(quantity: str, text: str) -> Unit | None:
     """The unit of a quantity that a text names in any spelling, or None."""
     if quantity == "degree":
         return DEGREES.get(plain(text))
+    if quantity == "time" and text.strip() == "h":  # beside no other quantity, where it is a height
+        return UNITS["time"]["hr"]
     scaled = _SCALED.fullmatch(text.strip())
     unit = named(quantity, scaled[3]) if scaled else None
     if scaled and unit and not unit.offset and float(scaled[1]) > 0 and float(scaled[2] or 1) > 0:
-        return Unit(unit.factor * float(scaled[1]) / float(scaled[2] or 1))
+        times = float(scaled[1]) / float(scaled[2] or 1)
+        is_range = quantity == "acceleration" and times > 1  # `accel (16 g)` is that of the sensor
+        return unit if is_range else Unit(unit.factor * times)
+    if (multiplied := _MULTIPLIED.fullmatch(text.strip())) and (unit := named(quantity, multiplied[1])):
+        return None if unit.offset else Unit(unit.factor / float(multiplied[2]))
     return named(quantity, text)
 
 
@@ -177,20 +187,29 @@ def stated_unit(head: Heading, channel: str) -> str:
         return head.unit
     if quantity == "degree":
         return "deg"
-    if _only_a_unit(head):
-        return head.words[0]
-    return "".join(head.words[len(head.words) - _unit_words(head, quantity) :])
+    if only := _only_a_unit(head):
+        return "".join(head.words) if only == "pressure" else head.words[0]
+    return "".join(head.words[place] for place in _unit_words(head, quantity))
 
 
-def _unit_words(head: Heading, quantity: str) -> int:
-    """The number of words at the end of a name that spell a unit of a quantity. [1]"""
-    lengths = (length for length in (5, 4, 3, 2, 1) if len(head.words) > length)
-    return next((n for n in lengths if unit_named(quantity, "".join(head.words[-n:]))), 0)
+def _unit_words(head: Heading, quantity: str) -> range:
+    """The places of the words that spell a unit of a quantity: at the end of a name or before words that say where its
+    zero is or which axis it has, as in `alt_ft_msl`; empty if there are none."""
+    end = len(head.words)
+    while True:
+        for start in range(max(1, end - 5), end):
+            if unit_named(quantity, "".join(head.words[start:end])):
+                return range(start, end)
+        if end < 2 or head.words[end - 1] not in _AFTER_UNITS:
+            return range(0)
+        end -= 1
 
 
 def _only_a_unit(head: Heading) -> str:
-    """The channel of a name that is only a unit, `Seconds` or `Feet AGL`; "" if it is not."""
+    """The channel of a name that is only a unit, `Seconds`, `Feet AGL` or `mBar`; "" if it is not."""
     first, rest = next(iter(head.words), ""), head.words[1:]
+    if len(whole := "".join(head.words)) > 2 and unit_named("pressure", whole):
+        return "pressure"
     if not rest and len(first) > 2 and first != "min" and unit_named("time", first):
         return "time"
     is_height = plain(first) in ("m", "ft") and len(first) > 1
@@ -220,7 +239,9 @@ def _named_channel(head: Heading) -> str:
     if words & _TIME and head.words[-1] == "min":  # minutes, not a minimum
         words -= {"min"}
     if words & _HEIGHT and words & _ROLES["above"]:
-        words -= _ROLES["ground"]
+        words -= _ROLES["ground"] | {"pad", "home"}
+    if words & _HEIGHT and not words & {"du", "del", "do"}:  # `hauteur sol` is above it, `altitude du sol` its own
+        words -= {"sol", "suelo", "suolo"}
     if _is_clock(words):
         return "time"
     if unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_ROLES["total"]}:
@@ -253,8 +274,11 @@ def _beside_unit(head: Heading) -> str:
     """The channel of a name that means one only beside its unit: `h_m`, `z (ft)`, `climb rate (m/s)`."""
     for name, meanings in _WITH_UNIT.items():
         quantity = QUANTITIES[name]
-        tail = 0 if head.unit else _unit_words(head, quantity)
-        words = set(head.words[: len(head.words) - tail]) - {"rate", "of", "axis"}
+        tail = range(0) if head.unit else _unit_words(head, quantity)
+        words = {word for place, word in enumerate(head.words) if place not in tail}
+        words -= {"rate", "of", "axis"}
+        if not is_unit(head.unit):  # `ticks (10 ms)`, whose name still has its brackets
+            words -= set(re.findall(r"[^\W_]+", folded(head.unit)))
         if words and words <= meanings and (tail or unit_named(quantity, head.unit)):
             return name
     return ""
@@ -309,6 +333,12 @@ def barometric(head: Heading) -> bool:
     """Whether a header names a height that a filter derived from a barometer, which is used if there is no other."""
     words = set(head.words)
     return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
+
+
+def estimated(head: Heading) -> bool:
+    """Whether a header names a height that a filter estimated from all sensors, which is used if there is no other."""
+    words = set(head.words)
+    return bool(words & _HEIGHT and words & _ROLES["worked_out"]) and not words & (_NOT_A_SAMPLE | _ROLES["gps"])
 
 
 def is_pressure(head: Heading) -> bool:

@@ -16,17 +16,22 @@ from fieldkit.units import STANDARD_GRAVITY, UNITS
 
 CANDIDATES: Mapping[str, tuple[str, ...]] = {
     "time": ("s", "ms", "us", "days", "cs"),
-    "altitude": ("m", "ft"),
-    "speed": ("m/s", "ft/s", "mph", "km/h"),
+    "altitude": ("m", "ft", "cm", "mm"),
+    "speed": ("m/s", "ft/s", "mph", "km/h", "cm/s"),
 }
 """Units that a channel without a stated unit may have."""
 _SHOWN_BY_COAST = "cs"
-"""Unit of a clock that only the coast shows: by the step size alone, a slow logger's milliseconds look like it."""
-_HEIGHT_UNITS = ("m", "ft", "dm", "cm", "in")
+"""Unit of a clock that only the end of a coast shows: by the step size alone, a slow logger's milliseconds look like it,
+and counts of another clock."""
+_CLIMBS = (15.0, 1.2e4)
+"""Climbs of model and high-power rockets, between which a clock and heights without a unit are distinguished. [m]"""
+_END_OF_CLIMB = (0.85, 1.25)
+"""Deceleration at the end of a climb, where drag is small, with the noise of heights. [g]"""
+_HEIGHT_UNITS = ("m", "ft", "dm", "cm", "in", "mm")
 """Units of heights among which gravity before apogee may decide."""
 _EPOCH = (9.4e8, 2.6e9)
 """Unix time from 1999 to 2052. [s]"""
-_PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
+_PAD_PRESSURE = {"0.1 pa": (6e5, 1.09e6), "pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
 """Range of the highest pressure of a log at launch sites below 4000 m, by unit; the ranges do not overlap."""
 
 
@@ -62,18 +67,35 @@ def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[
         return settled
     ways = [known | dict(zip(unsettled, way, strict=True)) for way in product(*(CANDIDATES[n] for n in unsettled))]
     ways = [way for way in ways if _steps_are_a_loggers(time * UNITS["time"][way["time"]].factor)]
-    ways = [way for way in ways if not _is_absurd(_coast(raw, way))]
+    ways = [way for way in ways if not _is_absurd(_coast(raw, way)) and ("altitude" in units or _is_a_climb(raw, way))]
     reasons = ["its step size"]
     for reason, test in _TESTS:
         agreeing = [way for way in ways if test(raw, way)]
         if agreeing and len(agreeing) < len(ways):
             ways, reasons = agreeing, [*reasons, reason]
-    ways = [way for way in ways if way["time"] != _SHOWN_BY_COAST or way["time"] == known.get("time")] or ways
+    if "time" in unsettled:
+        ways = [way for way in ways if way["time"] != _SHOWN_BY_COAST or _ends_in_free_fall(raw, way)]
+    if "altitude" in raw and _comes_down(raw["altitude"]):
+        coasts = [way for way in ways if not _is_no_coast(raw, way)]
+        reasons += ["gravity before apogee"] * (len(coasts) < len(ways))
+        ways = coasts
     for name in unsettled:
         left = {way[name] for way in ways}
         if len(left) == 1:
             settled[name] = InferredUnit(left.pop(), "by " + " and ".join(reasons[1:] or reasons))
     return settled
+
+
+def _is_a_climb(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether heights in a unit rise as far as those of a rocket, if there are any."""
+    heights = raw.get("altitude", np.empty(0))
+    heights = heights[np.isfinite(heights)] * UNITS["length"][way.get("altitude", "m")].factor
+    return not heights.size or _CLIMBS[0] < float(np.ptp(heights)) < _CLIMBS[1]
+
+
+def _ends_in_free_fall(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether the end of a climb decelerates at one g."""
+    return _END_OF_CLIMB[0] < _gravities(raw, way)[0] < _END_OF_CLIMB[1]
 
 
 def epoch_unit(time: Float[Array, "time"]) -> str:
@@ -161,6 +183,12 @@ def _quietest(values: Float[Array, "time"]) -> float:
 def _median(values: Float[Array, "some"]) -> float:
     finite = values[np.isfinite(values)]
     return float(np.median(finite)) if len(finite) else float("nan")
+
+
+def clock_units(time: Float[Array, "time"]) -> tuple[str, ...]:
+    """The units in which the steps of a clock are those of a logger, the most usual one first."""
+    units = UNITS["time"]
+    return tuple(u for u in ("s", "ms", "us", "cs", "ns", "days") if _steps_are_a_loggers(time * units[u].factor))
 
 
 def _steps_are_a_loggers(time: Float[Array, "time"]) -> bool:
@@ -271,7 +299,7 @@ def height_units_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: s
     its whole duration can be a coast's; the stated one otherwise. A charge before apogee stops a rocket faster, but
     does not shorten its climb before. A log that ends in the climb does not show how long it lasts. Empty if it is no
     coast in any unit."""
-    if stated and not (_comes_down(raw["altitude"]) and _is_no_coast(raw, stated)):
+    if stated and not (_comes_down(raw["altitude"]) and _is_no_coast(raw, {"altitude": stated, "time": "s"})):
         return (stated,)
     return tuple(unit for unit in _HEIGHT_UNITS if unit != stated and _is_coast(raw, unit))
 
@@ -286,9 +314,8 @@ _FALL_PART = 0.1
 """Fall after the top of a climb that shows where it was, as a fraction of the climb. [1]"""
 
 
-def _is_no_coast(raw: Mapping[str, Float[Array, "time"]], unit: str) -> bool:
-    """Whether a climb is too fast or too slow for a coast, with times in s and heights in a unit."""
-    way = {"altitude": unit, "time": "s"}
+def _is_no_coast(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether a climb is too fast or too slow for a coast, with times and heights in some units."""
     (slowing, fall_rate), coast = _gravities(raw, way), _coast(raw, way)
     fast = fall_rate > _TOO_FAST[1] and max(slowing, coast) > _TOO_FAST[0]
     return fast or (fall_rate < _TOO_SLOW and coast < _LEAST_SLOWING)
@@ -298,7 +325,7 @@ def _is_coast(raw: Mapping[str, Float[Array, "time"]], unit: str) -> bool:
     """Whether a climb can be a coast, with times in s and heights in a unit."""
     way = {"altitude": unit, "time": "s"}
     (_, fall_rate), coast = _gravities(raw, way), _coast(raw, way)
-    return fall_rate > _TOO_SLOW and coast > _LEAST_SLOWING and not _is_no_coast(raw, unit)
+    return fall_rate > _TOO_SLOW and coast > _LEAST_SLOWING and not _is_no_coast(raw, way)
 
 
 def _gravities(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> tuple[float, float]:

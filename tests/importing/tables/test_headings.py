@@ -2,7 +2,7 @@
 
 import pytest
 
-from fieldkit.importing.tables.headings import channel, heading, stated_unit
+from fieldkit.importing.tables.headings import channel, heading, stated_unit, unit_named
 
 pytestmark = pytest.mark.fast
 
@@ -61,6 +61,11 @@ def test_names_in_other_languages_have_their_channels_and_units(names: str) -> N
         ("Altitude (furlong)", "altitude", "furlong"),
         ("Altura a nivel del mar (m)", "altitude_msl", "m"),
         ("Höhe über NN [m]", "altitude_msl", "m"),
+        ("Altitude sol (m)", "altitude", "m"),
+        ("ALTITUDE_FT_MSL", "altitude_msl", "ft"),
+        ("accel_g_x", "felt_x", "g"),
+        ("vel_fps_up", "speed", "fps"),
+        ("time (h)", "time", "h"),
     ],
 )
 def test_a_name_may_be_a_letter_or_a_word_beside_its_unit(spelled: str, name: str, unit: str) -> None:
@@ -98,3 +103,8 @@ def test_a_name_without_one_certain_meaning_is_no_channel(spelled: str) -> None:
 def test_g_forces_are_accelerations(spelled: str) -> None:
     assert channel(heading(spelled)) == "felt?"
     assert channel(heading(f"{spelled} max")) != "altitude"
+
+
+def test_the_range_of_an_accelerometer_is_not_its_unit() -> None:
+    head = heading("Accel Z (16g)")
+    assert unit_named("acceleration", stated_unit(head, "felt_z")) == unit_named("acceleration", "g")

@@ -25,4 +25,4 @@ def test_meters_are_known_by_the_coast_and_feet_called_meters_are_noticed(rocket
     assert settle_time_heights(meters, {"time": "s"})["altitude"].unit == "m"
     assert [height_units_by_free_fall(meters, unit) for unit in ("m", "ft")] == [("m",), ("m",)]
     assert [height_units_by_free_fall(feet, unit) for unit in ("m", "ft")] == [("ft",), ("ft",)]
-    assert settle_time_heights(feet, {"time": "s"}).get("altitude") is None or rocket is not EARLY
+    assert settle_time_heights(feet, {"time": "s"})["altitude"].unit == "ft"
