@@ -95,9 +95,11 @@ def _check_pressure(
     highest = float(np.percentile(to_si(stated[0], pressure), 98)) if len(pressure) else 0.0
     other = settle_pressure(pressure)
     if needed and not _PAD_PRESSURES[0] < highest < _PAD_PRESSURES[1]:
+        place = pick.place + 1
+        hint = f"; write --map 'pressure=#{place} [{other.unit}]', or the unit that you trust" if other else ""
         raise DamagedLog(
             f"found pressures up to {highest / 100:.0f} hPa by the unit {shown(stated[1])}, expected about 1000 hPa"
-            + (f"; write --map 'pressure=#{pick.place + 1} [{other.unit}]', or the unit that you trust" if other else ""),
+            + hint,
             column=pick.name,
         )
 
@@ -135,9 +137,7 @@ def _by_physics(
     )
 
 
-def _usual(
-    name: str, values: Mapping[str, Float[Array, "row"]], units: Mapping[str, tuple[Unit, str, str]]
-) -> str:
+def _usual(name: str, values: Mapping[str, Float[Array, "row"]], units: Mapping[str, tuple[Unit, str, str]]) -> str:
     """The unit that an error suggests for a channel: the one that its steps or gravity imply, if there is one."""
     fits: tuple[str, ...] = ()
     if name == "time":

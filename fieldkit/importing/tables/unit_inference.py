@@ -21,8 +21,8 @@ CANDIDATES: Mapping[str, tuple[str, ...]] = {
 }
 """Units that a channel without a stated unit may have."""
 _SHOWN_BY_COAST = "cs"
-"""Unit of a clock that only the end of a coast shows: by the step size alone, a slow logger's milliseconds look like it,
-and counts of another clock."""
+"""Unit of a clock that only the end of a coast shows: by the step size alone, a slow logger's milliseconds look like
+it, and counts of another clock."""
 _CLIMBS = (15.0, 1.2e4)
 """Climbs of model and high-power rockets, between which a clock and heights without a unit are distinguished. [m]"""
 _END_OF_CLIMB = (0.85, 1.25)
@@ -31,7 +31,13 @@ _HEIGHT_UNITS = ("m", "ft", "dm", "cm", "in", "mm")
 """Units of heights among which gravity before apogee may decide."""
 _EPOCH = (9.4e8, 2.6e9)
 """Unix time from 1999 to 2052. [s]"""
-_PAD_PRESSURE = {"0.1 pa": (6e5, 1.09e6), "pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
+_PAD_PRESSURE = {
+    "0.1 pa": (6e5, 1.09e6),
+    "pa": (6e4, 1.09e5),
+    "hpa": (816.0, 1090.0),
+    "kpa": (60.0, 109.0),
+    "atm": (0.6, 1.08),
+}
 """Range of the highest pressure of a log at launch sites below 4000 m, by unit; the ranges do not overlap."""
 
 
