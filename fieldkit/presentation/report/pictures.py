@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 Draw = Callable[["Figure | SubFigure"], None]
 Margins = tuple[float, float, float, float]
 """Margins of a picture on the left, right, bottom and top. [inch]"""
-FORECAST_MARGINS: Margins = (0.05, 0.2, 0.45, 0.24)
-"""Margins of `forecast`: the height of tick labels with an axis title, and of a title; half a tick label at the end of
-the axis. [inch]"""
+FORECAST_MARGINS: Margins = (0.2, 0.2, 0.45, 0.24)
+"""Margins of `forecast`: half a tick label at both ends of the axis, the height of tick labels with an axis title, and
+of a title. [inch]"""
 LOG_MARGINS: Margins = (0.85, 0.2, 0.45, 0.24)
 """Margins of `log`, with tick labels of up to six characters on the left. [inch]"""
 

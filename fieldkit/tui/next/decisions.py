@@ -53,7 +53,7 @@ from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.next.motor_rows import TARGET_BAND
 from fieldkit.tui.next.next_words import by_keys, folded, unfolded
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.plots import Marked, draw_density
+from fieldkit.tui.widgets.plots import Marked, draw_density, round_axes
 
 DRAWN_FLIGHTS = 30
 """Number of draws with lines from pad to apogee to landing. [1]"""
@@ -95,12 +95,14 @@ def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: An
     """Draw pad, apogee and landing of some draws, joined by straight lines."""
     prediction, down = one.prediction, one.down
     drift = np.broadcast_to(np.nan_to_num(prediction.drift), prediction.apogee.shape)
+    tops, across = [], [0.0]
     for row in range(min(DRAWN_FLIGHTS, len(prediction.apogee))):
-        up, end = scaled(float(drift[row])), scaled(float(down.along[row]))
-        plt.plot([0.0, up, end], [0.0, scaled(float(prediction.apogee[row])), 0.0], marker="braille", color=ink.line)
+        up, end, top = (scaled(float(part[row])) for part in (drift, down.along, prediction.apogee))
+        plt.plot([0.0, up, end], [0.0, top, 0.0], marker="braille", color=ink.line)
+        across += [up, end]
+        tops.append(top)
     plt.scatter([0.0], [0.0], marker="▲", color=ink.mark)
-    plt.xfrequency(5)
-    plt.yfrequency(4)
+    round_axes(plt, ink, (min(across), max(across)), (0.0, 1.05 * max(tops)))
 
 
 def _from_above(one: PlannedFlight, size: float | None, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
@@ -120,10 +122,7 @@ def _from_above(one: PlannedFlight, size: float | None, scaled: Callable[[float]
     middle = [(min(one) + max(one)) / 2 for one in (xs, ys)]
     half = max((max(xs) - min(xs)) / 2 * ink.height * CELL_ASPECT / ink.width, (max(ys) - min(ys)) / 2) * 1.05
     wide = half * ink.width / (ink.height * CELL_ASPECT)
-    plt.xlim(middle[0] - wide, middle[0] + wide)
-    plt.ylim(middle[1] - half, middle[1] + half)
-    plt.xfrequency(5)
-    plt.yfrequency(4)
+    round_axes(plt, ink, (middle[0] - wide, middle[0] + wide), (middle[1] - half, middle[1] + half))
 
 
 def _scaled(system: str, height: float) -> float:

@@ -182,7 +182,7 @@ class PlanScreen(PageScreen):
     PlanScreen Plot.-below { border-top: solid $border-blurred; border-title-color: $foreground; margin-top: 1; }
     PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below { display: block; }
     PlanScreen.-tall Plot { height: 44vh; min-height: 16; }
-    PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
+    PlanScreen.-wide #words, PlanScreen.-wide #plots, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #words #beside { display: block; margin: 0 0 0 2; }
     PlanScreen.-wide #words.-single #beside { display: none; }
     PlanScreen.-wide #main { width: 3fr; }

@@ -124,6 +124,15 @@ def round_ticks(low: float, high: float, most: int) -> list[float]:
     return [low]
 
 
+def round_axes(plt: Any, ink: Ink, across: tuple[float, float], up: tuple[float, float]) -> None:
+    """Limit the axes of a plot to these values, and label round ones."""
+    columns, rows = round_ticks(*across, max(3, ink.width // TICK_WIDTH)), round_ticks(*up, max(3, ink.height // 4))
+    plt.xlim(*across)
+    plt.ylim(*up)
+    plt.xticks(columns, [f"{place:g}" for place in columns])
+    plt.yticks(rows, [f"{place:g}" for place in rows])
+
+
 def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
     """A smooth density of the finite draws (Gaussian kernels, Silverman's rule of thumb, 1986): positions in the unit
     of the values, and heights relative to the highest [1], without those below `MIN_DENSITY_FRACTION`."""
