@@ -1,4 +1,4 @@
-"""Makes the pictures of the README, the output of `fieldkit demo` and pages of the app: `python tools/pictures.py`.
+"""Makes the pictures of the README and of the manual, pages of the app: `python tools/pictures.py`.
 
 `python tools/pictures.py FOLDER [NAME ...]` draws instead every page, or those named, in each size and theme, to be
 looked at.
@@ -6,39 +6,14 @@ looked at.
 
 import asyncio
 import html
-import io
 import os
 import re
-import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from rich.console import Console
-from rich.terminal_theme import MONOKAI
-from rich.text import Text
-
 ROOT = Path(__file__).parents[1]
-PICTURE = ROOT / "docs" / "demo.svg"
-WIDTH = 80
-STEPS = 3
-"""The steps of the demo in the picture."""
-
-
-def demo() -> str:
-    """The output of `fieldkit demo` in a terminal 80 columns wide, with its colors."""
-    environment = {**os.environ, "COLUMNS": str(WIDTH), "FORCE_COLOR": "1", "TERM": "xterm-256color"}
-    command = [sys.executable, "-m", "fieldkit.cli.main", "demo"]
-    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
-
-
-def picture(text: str) -> str:
-    """A terminal with this text as SVG, in any monospaced font: no font is downloaded."""
-    console = Console(record=True, width=WIDTH, file=io.StringIO(), force_terminal=True)
-    console.print(Text.assemble(("$ ", "bold green"), "fieldkit demo"))
-    console.print(Text.from_ansi(text))
-    return tidied(console.export_svg(title="fieldkit demo", theme=MONOKAI, unique_id="demo"))
 
 
 def tidied(svg: str) -> str:
@@ -198,9 +173,6 @@ def main() -> None:
         every_page(Path(sys.argv[1]), sys.argv[2:])
         return
     app_pages()
-    steps = re.split(rf"^{STEPS + 1}\. ", demo(), flags=re.MULTILINE)
-    PICTURE.write_text(picture(steps[0].rstrip()), encoding="utf-8")
-    print(PICTURE)
 
 
 if __name__ == "__main__":

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.screen import measured, print_table, progress, say, say_report, say_wrapped, system
+from fieldkit.cli.screen import measured, print_table, progress, say, say_wrapped, system
 from fieldkit.cli.units import ask_units_once
 from fieldkit.errors import LedgerError
 from fieldkit.files import replace
-from fieldkit.progress import ReportProgress, part
 from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
-    from fieldkit.reference.report import PaperReport
     from fieldkit.services.demo import Demo
 
 app = typer.Typer()
@@ -39,15 +37,13 @@ def demo(context: typer.Context) -> None:
     with TemporaryDirectory(prefix="fieldkit-") as folder:
         made = Path(folder) / "demo.db"
         with Ledger.open(made if named is None or new else named) as ledger, progress("demo") as on_progress:
-            found = demo(ledger, catalogue(), part(on_progress, 0.0, 0.7))
-            paper = _paper(part(on_progress, 0.7, 0.3))
+            found = demo(ledger, catalogue(), on_progress)
         if new is not None:
             _put(made, new)
     _import(found)
     _infer(found)
     _predict(found)
     _loop(found)
-    _profile(paper)
     _next(named)
 
 
@@ -95,11 +91,11 @@ def _import(found: "Demo") -> None:
 def _infer(found: "Demo") -> None:
     say_wrapped(
         "2. Drag (Cd) and thrust factor (alpha, 1 as certified) inferred from each apogee. An apogee alone barely "
-        "separates the two, hence the wide ±; the reference paper's network (last two columns) has none.",
+        "separates the two, hence the wide ±.",
         "   ",
     )
     say()
-    headers = ("flight", "motor", "apogee", "Cd", "thrust", "tag", "paper Cd", "paper thrust")
+    headers = ("flight", "motor", "apogee", "Cd", "thrust", "tag")
     rows = [
         (
             f"{one.flight.flight_id} {one.flight.config}",
@@ -108,12 +104,10 @@ def _infer(found: "Demo") -> None:
             f"{one.cd:.2f} ± {one.cd_sd:.2f}",
             f"{one.alpha:.2f} ± {one.alpha_sd:.2f}",
             ", ".join(one.flight.tags),
-            f"{its.cd:.2f}",
-            f"{its.alpha:.2f}",
         )
-        for one, its in zip(found.inferred, found.by_paper, strict=True)
+        for one in found.inferred
     ]
-    print_table(headers, rows, numbers=[name for name in headers if name not in ("motor", "tag")])
+    print_table(headers, rows, numbers=("flight", *headers[2:5]))
     say()
 
 
@@ -140,51 +134,13 @@ def _predict(found: "Demo") -> None:
 
 
 def _loop(found: "Demo") -> None:
-    from fieldkit.presentation.loop_text import report
+    from fieldkit.presentation.loop_headline import headline
 
-    say("4. The loop: what the model gets wrong, and what may be missing from it")
+    say("4. The loop: what forecasts leave out, and by how much they miss")
     say()
-    say_report(report(found.loop, system()))
-    say()
-
-
-def _paper(on_progress: ReportProgress) -> "PaperReport":
-    """The reference paper's test."""
-    from fieldkit.reference.report import report
-
-    on_progress("flying the published thrust", 0.0)
-    return report()
-
-
-def _profile(paper: "PaperReport") -> None:
-    say("5. What the reference paper's published thrust profile costs")
-    say()
-    profile, bias = paper.thrust_profile, paper.thrust_profile["exact_posterior_bias_m"]
-    count, shown = paper.reconstruction["n"], ShownUnits(system())
-    headers = ("motor", "certified", "profile delivers", "excess")
-    rows = [
-        (
-            one["motor"],
-            f"{one['certified_ns']:.1f} N s",
-            f"{one['delivered_ns']:.1f} N s",
-            f"{one['delivered_ns'] / one['certified_ns'] - 1:+.0%}",
-        )
-        for one in profile["motors"]
-    ]
-    print_table(headers, rows, numbers=headers[1:])
-    say()
-    below = profile["below_lowest_apogee_of_prior"]
-    say_wrapped(
-        f"   Apogees simulated with it are biased by {shown.difference(bias['published'])} over the {count} normal "
-        f"flights, and {shown.difference(bias['certified'])} with certified curves; {below['published']} of the "
-        f"{count} lie below the lowest apogee that its prior allows, {below['certified']} with certified curves."
-    )
-    say()
-    missed = {rule["rule"]: rule for rule in paper.rules}
-    before, after = missed["published_carried_over"], missed["hierarchical_certified"]
-    was, now = (f"{shown.length(one['mae_m'], 1)} (bias {shown.difference(one['bias_m'])})" for one in (before, after))
-    say_wrapped(
-        f"   Each normal flight forecast from the others (leave-one-out): mean error {was} with the published profile "
-        f"and parameters, {now} with certified curves. `fieldkit paper` has the rest."
-    )
+    one, shown = headline(found.loop, system()), ShownUnits(system())
+    missed = f"Each flight, forecast from the others, misses by {shown.length(one.before, 1)} on average"
+    missed += "." if one.after is None else f", {shown.length(one.after, 1)} with the corrections of the loop."
+    for line in (one.sentence, *one.also, missed, f"Next: {one.step}"):
+        say_wrapped(f"   {line}")
     say()

@@ -18,20 +18,16 @@ from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import predict_plans, which_rocket
 from fieldkit.services.imports import bring_in
-from fieldkit.services.inferred import FlightInference, Inferred, infer_by_paper
+from fieldkit.services.inferred import FlightInference, Inferred
 
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """The results of each step: one entry per flight, or one per motor and configuration.
-
-    `by_paper` is the answer of the reference paper's ensemble, `inferred` that of the forecast model.
-    """
+    """The results of each step: one entry per flight, or one per motor and configuration."""
 
     rocket: str
     flights: Sequence[Flight]
     inferred: Sequence[Inferred]
-    by_paper: Sequence[Inferred]
     predictions: Sequence[Prediction]
     loop: Findings
 
@@ -46,15 +42,12 @@ def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo
     bring_in(ledger, [REFERENCE_FLIGHTS], lambda name: None)
     flights = ledger.flights()
     on_progress("inferring", 0.1)
-    inferred, by_paper = (
-        FlightInference(ledger, motors).infer(flights).inferred,
-        infer_by_paper(flights, motors).inferred,
-    )
+    inferred = FlightInference(ledger, motors).infer(flights).inferred
     rocket = which_rocket(ledger, None)
     on_progress("predicting", 0.15)
     predictions = predict_plans(ledger, motors, plans(flights))
     found = look(ledger, motors, rocket, part(on_progress, 0.2, 0.8), accept=True)
-    return Demo(rocket, flights, inferred, by_paper, predictions, found)
+    return Demo(rocket, flights, inferred, predictions, found)
 
 
 def plans(flights: Sequence[Flight]) -> list[Flight]:
