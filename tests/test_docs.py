@@ -536,16 +536,6 @@ async def test_the_example_screen_of_the_manual_shows_the_wind(tmp_path: Path, m
         sys.modules.pop(f"{screens.__name__}.weather", None)
 
 
-def test_the_picture_is_of_this_demo() -> None:
-    picture = (ROOT / "docs" / "demo.svg").read_text(encoding="utf-8")
-    words = re.findall(r"<text[^>]*>([^<]*)</text>", picture)
-    source = (ROOT / "fieldkit" / "cli" / "demo.py").read_text(encoding="utf-8")
-    assert "Astra" in " ".join(words)
-    for heading in ("flight", "motor", "apogee", "Cd", "thrust", "tag", "ejection"):
-        assert heading in words
-        assert f'"{heading}"' in source
-
-
 def test_the_example_command_of_the_manual_plans_from_what_is_known(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

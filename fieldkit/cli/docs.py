@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from textwrap import wrap
 from typing import Annotated
 
 import typer
@@ -30,7 +31,8 @@ def docs(
 ) -> None:
     """Print a page of the manual; without a page, list them."""
     from rich.console import Console
-    from rich.markdown import Markdown
+
+    from fieldkit.cli.manual_tables import Manual
 
     if not page:
         print_table(("page", ""), _contents())
@@ -40,7 +42,7 @@ def docs(
     found = [page] if page in page_names() else page_names(page)
     if len(found) != 1:
         raise BadValue(unknown("page", page, found or page_names()))
-    Console(highlight=False).print(Markdown(_readable(_text(found[0]))))
+    Console(highlight=False).print(Manual(_readable(_text(found[0]))))
 
 
 def _contents() -> list[tuple[str, str]]:
@@ -71,19 +73,25 @@ def _readable(text: str) -> str:
         text,
         flags=re.MULTILINE | re.DOTALL,
     )
+    text = re.sub(r"^\*\*.*?\*\*", lambda head: head[0].replace("`", '"'), text, flags=re.MULTILINE)  # quoted messages
     return re.sub(r"^```sh\n.*?^```", lambda block: _continued(block[0]), text, flags=re.MULTILINE | re.DOTALL)
 
 
 def _continued(block: str) -> str:
-    """Commands with their lines broken before options, so that each fits 80 columns with a margin on both sides."""
+    """Commands broken before options, or before their last words, and remarks broken between words, so that each line
+    fits 80 columns with a margin on both sides."""
     lines: list[str] = []
-    for command in block.splitlines():
-        first, *options = re.split(r" (?=--)", command)
-        lines.append(first)
-        for option in options:
-            if len(lines[-1]) + len(option) < COMMAND_WIDTH:
-                lines[-1] += f" {option}"
+    for line in block.splitlines():
+        if line.startswith("#"):
+            lines += wrap(line, COMMAND_WIDTH, subsequent_indent="# ", break_long_words=False, break_on_hyphens=False)
+            continue
+        first, *rest = re.split(r" (?=--)", line)
+        parts = [first, *rest] if len(first) <= COMMAND_WIDTH else [*first.rsplit(" ", 1), *rest]
+        lines.append(parts[0])
+        for part in parts[1:]:
+            if len(lines[-1]) + len(part) < COMMAND_WIDTH:
+                lines[-1] += f" {part}"
             else:
                 lines[-1] += " \\"
-                lines.append(f"  {option}")
+                lines.append(f"  {part}")
     return "\n".join(lines)
