@@ -2,16 +2,21 @@
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import STABILITY
-from fieldkit.motors import catalogue
+from fieldkit.motors import Found, catalogue
 from fieldkit.motors.draft import PER_IMPULSE
+from fieldkit.motors.motor import normalised
+from fieldkit.motors.search import CURVE_ERROR
 from fieldkit.motors.several import ONE_UNLIT, STAGES_NOTE
 from fieldkit.openrocket.parts import PER_AREA, PER_MASS
 from fieldkit.physics.effect import effects
@@ -22,7 +27,9 @@ from fieldkit.planning.air import OTHER_AIR
 from fieldkit.planning.check import OFF_APOGEE
 from fieldkit.planning.rule_lines import STABLE
 from fieldkit.presentation.planning_text import BREEZE, IN_A_BREEZE, OFF_VERTICAL
+from fieldkit.units import STANDARD_GRAVITY
 from tests.commands import Run
+from tools.motors import falling
 
 FAST, SLOW, LIGHT = ("F24-4W", 322, 66), ("A8-3", 40, 25), ("C6-5", 60, 25)
 STAGED = (("C6-5/C6-0", 60, 25, "--booster-mass", "30g"), ("F24-7W/E28-0", 322, 66, "--booster-mass", "150g"))
@@ -95,6 +102,23 @@ def test_a_motor_that_does_not_light_lowers_the_apogee_of_a_cluster_by_the_state
 def test_a_curve_that_lacks_impulse_lowers_the_apogee_by_the_stated_part(apogee: Apogee) -> None:
     lost = [10 * (1 - apogee(*one, "--alpha", 0.9) / apogee(*one)) for one in (FAST, SLOW, LIGHT)]
     assert [round(min(lost), 1), round(max(lost), 1)] == ends(PER_IMPULSE)
+
+
+def test_an_estimated_curve_moves_nine_apogees_in_ten_by_less_than_stated() -> None:
+    """On rockets whose motor starts them at 8 times their weight."""
+    plans, listed, estimated = [], [], []
+    for motor in catalogue().motors[::10]:
+        with suppress(BadValue):
+            time, thrust = np.array(falling(motor.total_impulse, float(motor.thrust.max()), motor.thrust_end)).T
+            mass = max(motor.rated_thrust / (8 * STANDARD_GRAVITY) - motor.loaded_mass, motor.loaded_mass / 2)
+            plans.append(Flight("1", dry_mass=mass, diameter=1.6 * motor.diameter, delay=30.0))
+            listed.append(Found(motor, 30.0))
+            shaped = replace(motor, time=time, thrust=normalised(time, thrust, motor.total_impulse))
+            estimated.append(Found(shaped, 30.0))
+    drag = 0.6 * np.pi / 4 * np.array([one.diameter or 0.0 for one in plans]) ** 2
+    true, found = (fly(field_setup(plans, motors, drag)).apogee for motors in (listed, estimated))
+    assert len(plans) > 50
+    assert 0.5 * CURVE_ERROR < np.quantile(np.abs(found / true - 1), 0.9) < CURVE_ERROR
 
 
 def test_missing_mass_and_area_raise_the_apogee_by_the_stated_part(apogee: Apogee) -> None:

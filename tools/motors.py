@@ -217,12 +217,20 @@ def additions(table: Path = ADDITIONS) -> list[Row]:
         return [_added(one) for one in csv.DictReader(file)]
 
 
-def _added(one: dict[str, str]) -> Row:
-    total, peak, burn = (float(one[key]) for key in ("total_impulse_ns", "peak_n", "burn_s"))
+def falling(total: float, peak: float, burn: float) -> list[list[float]]:
+    """The estimated curve [s, N] of an impulse [N s], a peak [N] and a burn time [s]. Raises BadValue without one."""
     later = (total / (peak * burn) - (PEAK + FALLING) / 2) / ((1 - PEAK) / 2)
     if not 0 < later <= 1:
-        raise BadValue(f"{one['designation']}: found a peak of {peak:g} N and {total:g} N s, expected a falling curve")
-    samples = [[0.0, 0.0], [PEAK * burn, peak], [(PEAK + FALLING) * burn, later * peak], [burn, 0.0]]
+        raise BadValue(f"found a peak of {peak:g} N and {total:g} N s, expected a falling curve")
+    return [[0.0, 0.0], [PEAK * burn, peak], [(PEAK + FALLING) * burn, later * peak], [burn, 0.0]]
+
+
+def _added(one: dict[str, str]) -> Row:
+    total, peak, burn = (float(one[key]) for key in ("total_impulse_ns", "peak_n", "burn_s"))
+    try:
+        samples = falling(total, peak, burn)
+    except BadValue as error:
+        raise BadValue(f"{one['designation']}: {error}") from None
     return {
         "motorId": one["designation"],
         "manufacturerAbbrev": one["maker"],

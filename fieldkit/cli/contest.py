@@ -184,11 +184,12 @@ def contest(
     if total is not None:
         untimed = [short_name(one) for one, _ in scored if one.flight_id in names and judged_duration(one) is None]
         without = (
-            f"; {', '.join(untimed)} without a duration: altitude only, so too few points if it missed the window"
+            f"; {', '.join(untimed)} without a duration: altitude only, too few points by "
+            f"{rule.per_second:g} for each second outside the window"
             if untimed
             else ""
         )
-        say(f"  score     {total:.2f} points, the best {rule.best} of {', '.join(names)}{without}")
+        say_wrapped(f"  score     {total:.2f} points, the best {rule.best} of {', '.join(names)}{without}", " " * 10)
     if ahead is not None:
         print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.known)
 

@@ -14,6 +14,9 @@ from fieldkit.quantities import rounded
 
 MASS_ERROR = 0.18
 """Nine in ten estimated masses of motors are off by less; `python -m tools.motor_masses` prints it. [1]"""
+CURVE_ERROR = 0.02
+"""Nine in ten flights change by less with the estimated shape of a thrust curve in place of the listed curve; a test
+flies both. [1]"""
 _UNKNOWN_CLASS = re.compile(r"(?:^|\s)[P-Z]\d")
 """Motor classes that nobody sells: `P4935`, `Q99`."""
 _SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
@@ -184,8 +187,9 @@ def _found(name: Name, listing: Listing, text: str, note: str = "") -> Found:
                 f"that delay list is outdated; give the longest delay on the package, as in {listing.designation}-14A"
             )
     if motor.estimated:
-        off = f", off by up to {MASS_ERROR:.0%} either way" if all("mass" in one for one in motor.estimated) else ""
-        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not listed, estimated{off}")
+        masses = all("mass" in one for one in motor.estimated)
+        off = f"off by up to {MASS_ERROR:.0%}" if masses else f"which moves apogees by up to {CURVE_ERROR:.0%}"
+        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not listed, estimated, {off} either way")
     if motor.curve.startswith("recorded"):
         notes.append(f"{listing.label}: {motor.curve}")
     return Found(motor, name.delay, tuple(notes), doubt)

@@ -37,6 +37,13 @@ PER_AREA = "by 0.2 to 0.4% for each percent of the frontal area"
 """How much a missing frontal area moves an apogee: the same two flights, with a tenth of the Cd missing."""
 PER_CD = PER_AREA.replace("the frontal area", "Cd")
 """How much a wrong Cd moves an apogee, which depends on its product with the area."""
+PER_LIFT = "by at most a tenth of the length for each tenth of the rocket's lift or mass"
+"""How much a part that is missing moves the static margin: the centers are means over the parts weighted by lift and by
+mass, so a part with a tenth of all moves one of them by a tenth of its distance from it."""
+COMPARE = (
+    f"compare mass, length and margin with what it shows; with a wrong mass apogees are off either way, {PER_MASS}"
+)
+"""What to do about a reader that was tried on no file of its program."""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
@@ -89,7 +96,8 @@ def without_size(document: "Element") -> list[str]:
     more = f" and {len(missing) - 5} more" if len(missing) > 5 else ""
     return [
         f"no size, taken as zero: {', '.join(missing[:5])}{more}; with less length, mass and frontal area, "
-        f"apogees are too high, {PER_AREA} and {PER_MASS.removeprefix('by ')}, and the margin is off either way"
+        f"apogees are too high, {PER_AREA} and {PER_MASS.removeprefix('by ')}, and the margin is off either way, "
+        f"{PER_LIFT}"
     ]
 
 

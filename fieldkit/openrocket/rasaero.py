@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from fieldkit.errors import FieldkitError
 from fieldkit.motors import Motor, catalogue
-from fieldkit.openrocket.parts import number, without_size
+from fieldkit.openrocket.parts import COMPARE, PER_LIFT, number, without_size
 from fieldkit.units import FOOT, INCH, POUND, UNITS
 
 SHAPES = {
@@ -65,7 +65,7 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
             _boat_tail(body, part)
         elif part.find("PartType") is not None:
             unread[part.tag] = None
-    lift = "their lift is missing: the margin is too small without fins, too large without a part in front"
+    lift = f"their lift is missing: the margin is too small without fins, too large without a part in front, {PER_LIFT}"
     notes = [f"not read: {', '.join(unread)}; {lift}"] if unread else []
     engines = [
         (one, text)
@@ -83,7 +83,7 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
             SubElement(motor, "designation").text = named["name"] if named else text
             SubElement(motor, "manufacturer").text = MAKERS.get(named["maker"] or "", named["maker"]) if named else ""
     length = sum(number(one, "length") for one in body)
-    notes.append("not tried on a file of RASAero yet: compare mass, length and margin with what it shows")
+    notes.append(f"not tried on a file of RASAero yet: {COMPARE}")
     return document, [*notes, *without_size(document), *_weigh(stage, engines, length)]
 
 

@@ -8,7 +8,7 @@ toward the nose. The names of the elements are from memory of RockSim 9 files: n
 from collections.abc import Callable, Iterable, Iterator
 from xml.etree.ElementTree import Element, SubElement
 
-from fieldkit.openrocket.parts import PER_MASS, number, without_size
+from fieldkit.openrocket.parts import COMPARE, PER_LIFT, PER_MASS, number, without_size
 
 NOSES = ("conical", "ogive", "ellipsoid", "ellipsoid", "haack", "parabolic", "power", "haack")
 """Profiles by their number; RockSim's own parabola is nearest to an ellipsoid."""
@@ -46,11 +46,11 @@ def from_rocksim(root: Element) -> tuple[Element, list[str]]:
             _override(stage, whole, number(design, f"{name[:6]}CG") * MM, below=True)
         _into(SubElement(stage, "subcomponents"), parts, unread)
     notes = ["the motors of a RockSim file are not read; state one with --motor"]
-    notes.append("not tried on a file of RockSim yet: compare mass, length and margin with what it shows")
+    notes.append(f"not tried on a file of RockSim yet: {COMPARE}")
     notes += without_size(document)
     if unread:
-        missing = f"their mass and lift are missing: apogees are too high, {PER_MASS}, and the margin is off"
-        notes.append(f"not read: {', '.join(unread)}; {missing}")
+        missing = f"their mass and lift are missing: apogees are too high, {PER_MASS}, and the margin is off either way"
+        notes.append(f"not read: {', '.join(unread)}; {missing}, {PER_LIFT}")
     return document, notes
 
 

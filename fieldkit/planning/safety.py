@@ -20,6 +20,7 @@ from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.messages import fine, per_wind
+from fieldkit.motors.draft import PER_IMPULSE
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
@@ -276,12 +277,12 @@ def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     value = motor_temperature(plan)
     certified, coldest, hottest = (figure(value, "c") for value in (CERTIFIED_AT, cold.value, hot.value))
     between = f"certified near {certified}, usable from {coldest} to {hottest}"
-    if value is None:
-        return SafetyCheck(
-            "motor temperature",
-            "unknown",
-            f"not given; a cold one is weaker, within the ± of its thrust; {between}",
-            hot.source,
-        )
-    verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"
-    return SafetyCheck("motor temperature", verdict, f"{figure(value, 'c')}; {between}", hot.source)
+    if value is not None and cold.value <= value <= hot.value:
+        return SafetyCheck("motor temperature", "ok", f"{figure(value, 'c')}; {between}", hot.source)
+    if value is not None and value > hot.value:
+        leans = "a hotter one is stronger, which forecasts leave out: apogees are higher"
+    else:
+        leans = "a colder one is weaker, which forecasts leave out: apogees are lower"
+    shown = "not given" if value is None else figure(value, "c")
+    verdict: Verdict = "unknown" if value is None else "caution"
+    return SafetyCheck("motor temperature", verdict, f"{shown}; {between}; {leans}, {PER_IMPULSE}", hot.source)

@@ -12,7 +12,7 @@ from fieldkit.services.fleet_loop import FleetErrors, FleetLoop, FleetResult
 EVALUATION = (
     "later flights of the group, each forecast from all earlier flights: before as forecast then, "
     "after with the difference estimated from the earlier flights; the difference itself was found on all flights, "
-    "so the error after is too low, most with few flights"
+    "so the error after is too low: by the whole gain if the group stands out by chance"
 )
 CHANGES: Mapping[str, tuple[str, str]] = {
     "thrust": ("less thrust and impulse than expected", "more thrust and impulse than expected"),
