@@ -4,8 +4,9 @@ import math
 import re
 from pathlib import Path
 
-from fieldkit import files
+from fieldkit import files, units
 from fieldkit.flight import Flight
+from fieldkit.messages import QUANTITY, of_unit
 from fieldkit.motors import Found
 from fieldkit.motors.motor import Motor, impulse_class
 from fieldkit.motors.names import parse, squeeze
@@ -13,6 +14,7 @@ from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict
 from fieldkit.planning.classification import build_of, why_high_power
 from fieldkit.planning.contest import Season
 from fieldkit.planning.rules import MARKS, known_rules
+from fieldkit.quantities import rounded
 
 ROUNDING = 1e-9
 """Excess over a limit that is only the rounding of a sum, as a fraction of the limit. [1]"""
@@ -72,28 +74,31 @@ def allowed(
     check by eye, and the motor list. Raises BadValue for a damaged file of rules."""
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
-        ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
-        ("contest impulse", found.motor.total_impulse, rule.impulse, "at most", 1.0, "N s"),
-        ("contest length", length, rule.length, "at least", 1e3, "mm"),
+        ("contest mass", mass, rule.mass, "at most", "g"),
+        ("contest impulse", found.motor.total_impulse, rule.impulse, "at most", "N s"),
+        ("contest length", length, rule.length, "at least", "mm"),
     ]
     lines = []
-    for name, value, limit, how, scale, unit in checks:
+    for name, value, limit, how, unit in checks:
         if limit is None:
             continue
-        source, wanted = _limit_source(rule, name), f"{how} {limit * scale:g} {unit}"
+        source, wanted = _limit_source(rule, name), f"{how} {_shown(limit, unit)}"
         if value is None:
             lines.append(SafetyCheck(name, "unknown", f"not given; {wanted}", source))
             continue
         well = value <= limit * (1 + ROUNDING) if how == "at most" else value >= limit * (1 - ROUNDING)
-        verdict: Verdict = "ok" if well else "unsafe"
-        shown = (f"{value * scale:.{digits}g}" for digits in range(4, 8))
-        own = next((one for one in shown if well or float(one) != limit * scale), f"{value * scale:.9g}")
-        lines.append(SafetyCheck(name, verdict, f"{own} {unit}, {wanted}", source))
+        own = next((digits for digits in range(4, 9) if well or rounded(value, digits) != rounded(limit, digits)), 9)
+        lines.append(SafetyCheck(name, "ok" if well else "unsafe", f"{_shown(value, unit, own)}, {wanted}", source))
     lines += [class_line(rule, found)] if rule.impulse is not None else []
     for name, text in rule.by_hand:
         look = f"{BY_EYE}{text}"
         lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))
     return [*lines, motor_line(rule, found, approved)]
+
+
+def _shown(value: float, unit: str, digits: int = 4) -> str:
+    """A figure of a limit [SI] within a finding."""
+    return of_unit(value, unit, digits=digits, scale=units.unit(QUANTITY[unit], unit))
 
 
 def class_line(rule: Season, found: Found) -> SafetyCheck:
