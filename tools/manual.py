@@ -38,7 +38,8 @@ def examples() -> dict[str, list[str]]:
     """The lines of the examples by command: comments and command lines, in order."""
     found: dict[str, list[str]] = {}
     remarks: list[str] = []
-    for line in (line for file in SESSIONS for line in file.read_text(encoding="utf-8").splitlines()[1:]):
+    texts = (file.read_text(encoding="utf-8").partition("\n\n")[2] for file in SESSIONS)  # without their first remarks
+    for line in "\n".join(texts).splitlines():
         if line.startswith("#"):
             remarks.append(line)
         elif line:

@@ -25,7 +25,7 @@ OPTIONS = """
     MASSES: booster_mass
     SPEED: limit
     TEMPERATURE: motor_temperature
-    FILE: compare file files flights import_
+    FILE: compare file files flights import_ plans
     FOLDER: out
     ROCKET: fit rocket shortlist_for
     FLIGHTS: declared
@@ -54,7 +54,7 @@ OPTIONS = """
     CLASS: class_
     NS: max_impulse
     BAUD: baud
-    COUNT: last n_train
+    COUNT: count last n_train
     NUMBER: number port seed use
     ADDRESS: cluster host
     EXPORT: exports

@@ -48,7 +48,9 @@ def weather(
     plans: Annotated[
         Path | None, typer.Option(help="Fill in a table of planned flights instead; needs --out.", show_default=False)
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="The completed table of --plans.", show_default=False)] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The completed table of --plans.", show_default=False)
+    ] = None,
     look: Annotated[bool, typer.Option("--dry-run", help="Show the weather without saving it.")] = False,
     force: ForceOption = False,
     json: AsJson = False,
