@@ -12,7 +12,7 @@ from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_colum
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, remark, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
-from fieldkit.cli.units import ask_units_once
+from fieldkit.cli.units import ask_units_once, note_units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.plausibility import doubts
@@ -72,6 +72,7 @@ def add(
             flight, filled = _as_built(ledger, flight, changes)
             _doubt(ledger, flight)
             _add(ledger, flight, filled, None, again=again)
+            note_units(changes.values())
         else:
             _add(ledger, *_from_answers(ledger, resume=resume), again=again)
 

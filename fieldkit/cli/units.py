@@ -1,8 +1,8 @@
-"""`fieldkit units`: the units in which numbers are shown, and the question about them at the first start."""
+"""`fieldkit units`: the units in which numbers are shown, and how they are chosen at the first start."""
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated
 
 import typer
@@ -13,6 +13,8 @@ from fieldkit.paths import settings_file
 from fieldkit.quantities import unit_of
 from fieldkit.settings import UNITS, change_settings, read_settings
 from fieldkit.spelled_units import spelled
+from fieldkit.typed_amounts import typed_amount, typed_in_two
+from fieldkit.units import CUSTOMARY_UNITS
 
 app = typer.Typer()
 EXAMPLES = ("apogee", "top_speed", "dry_mass", "diameter", "temperature", "pressure")
@@ -53,6 +55,15 @@ def ask_units_once() -> None:
         chosen = _named(typer.prompt("Which?", default=usual_units(os.environ), err=True))
     change_settings({"units": chosen})
     complain("To change them: fieldkit units, or N in the app")
+
+
+def note_units(typed: Iterable[str]) -> None:
+    """In a terminal, say how to see feet and ounces if such units are typed and none are chosen."""
+    if not sys.stderr.isatty() or settings_file().exists():
+        return
+    amounts = (typed_in_two(text) or typed_amount(text) for text in typed)
+    if any(one is not None and one.unit.casefold() in CUSTOMARY_UNITS | {"'", '"'} for one in amounts):
+        complain("note: results are in metric units; `fieldkit units US` shows feet and ounces")
 
 
 def usual_units(environment: Mapping[str, str]) -> str:

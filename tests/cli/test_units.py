@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.units import ask_units_once, usual_units
+from fieldkit.cli.units import ask_units_once, note_units, usual_units
+from fieldkit.settings import change_settings
 from tests.commands import Run
 
 CHECK_SHAPES = False
@@ -69,3 +70,23 @@ def test_nothing_is_asked_without_a_terminal(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     ask_units_once()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("typed", "noted"),
+    [(["Lark", "923ft"], True), (["12'6\""], True), (["1lb 3oz"], True), (["281 m", "F24-4W", "in"], False)],
+)
+def test_a_flyer_who_types_feet_is_told_how_to_see_them(
+    typed: list[str],
+    noted: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    note_units(typed)
+    assert ("fieldkit units US" in capsys.readouterr().err) is noted
+    change_settings({"units": "mixed"})
+    note_units(typed)
+    assert not capsys.readouterr().err
