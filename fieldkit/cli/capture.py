@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from shlex import quote
 from types import TracebackType
 from typing import TYPE_CHECKING, Annotated
 
@@ -326,7 +327,7 @@ def _received(
     if wanted is None and end.whole and sys.stdin.isatty() and not json:
         wanted = typer.confirm("Import it now?", default=True, err=True)
     if not (end.whole if wanted is None else wanted):
-        complain(f"Not imported; run `fieldkit import {end.file}` to import it")
+        complain(f"Not imported; run `fieldkit import {quote(str(end.file))}` to import it")
         return None
     with open_ledger(context) as ledger:
         check = MotorCheck()

@@ -1,6 +1,7 @@
 """Flights of the ledger: `flights`, `show`, `edit`, `tag`, `untag` and `remove`."""
 
 from itertools import chain
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -128,7 +129,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         _print_events(recording)
         if _measures_otherwise(found, recording):
             complain(
-                f"note: this version measures the log differently, either way: `fieldkit remeasure {id} --dry-run` "
+                f"note: this version measures the log differently, either way: `fieldkit remeasure {quote(id)} --dry-run` "
                 "shows by how much, and without --dry-run updates the flight"
             )
 

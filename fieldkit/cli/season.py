@@ -44,7 +44,7 @@ def season(
     with planning(context, given) as plan:
         found, rule = plan.motor(), season_rule(season_year(year))
         one = season_guide(plan.ledger, plan.rocket, plan.flight, found, rule, names, long, plan.safety)
-    ways = season_commands(plan.flight, rule.year)
+    ways = season_commands(plan.flight, rule.year, system())
     steps, now = season_steps(plan.flight, found, one, names, cut, ways, system()), one.now
     if json:
         document: dict[str, Any] = {

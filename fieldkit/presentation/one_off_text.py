@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from math import expm1
+from shlex import quote
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label, has_derived_id, short_name
@@ -119,4 +120,4 @@ def one_off_lines(found: Sequence[FlightBesideOthers]) -> Iterator[str]:
             continue
         yield why(one)
         if one.suggested_tags:
-            yield f"If that is so: fieldkit tag {one.flight.flight_id} {one.suggested_tags[0]}"
+            yield f"If that is so: fieldkit tag {quote(one.flight.flight_id)} {one.suggested_tags[0]}"

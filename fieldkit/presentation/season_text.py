@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from shlex import quote
 
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.messages import message
 from fieldkit.motors import Found
@@ -15,11 +16,13 @@ from fieldkit.planning.outlook import Outlook
 from fieldkit.planning.practice import Practice, PracticePlan, Setting
 from fieldkit.planning.quantiles import three_of_all
 from fieldkit.presentation.forecast_text import motor_in_words
-from fieldkit.quantities import ShownUnits, counted, in_system, percent
+from fieldkit.quantities import ShownUnits, counted, in_system, measure, percent
 from fieldkit.services.season_guide import SeasonGuide
 from fieldkit.shapes import Array, Float
-from fieldkit.units import FOOT
+from fieldkit.units import FOOT, ZERO_CELSIUS
 
+WARM_DAY = ZERO_CELSIUS + 25
+"""Temperature in the example of a command. [K]"""
 SeasonStep = tuple[str, str, tuple[str, ...]]
 """A step: its name, its state in a word or two, and its lines."""
 
@@ -35,14 +38,16 @@ class SeasonWays:
     finals: str
 
 
-def season_commands(plan: Flight, year: int) -> SeasonWays:
-    """The commands for a plan and a season."""
-    named = f"--rocket '{plan.rocket}'" if " " in plan.rocket else f"--rocket {plan.rocket}"
+def season_commands(plan: Flight, year: int, system: str = "SI") -> SeasonWays:
+    """The commands for a plan and a season, with the temperature of a warm day in the units of a system."""
+    options = [("rocket", plan.rocket), ("motor", plan.motor)]
+    given = " ".join(f"--{name} {quote(text)}" for name, text in options if text)
+    day = measure(BY_NAME["temperature"], WARM_DAY, system).replace(" °", "").lower()  # 25c, 77f
     return SeasonWays(
         add="`fieldkit add --apogee --timer-1-s`",
         parachute="give --parachute-diameter",
         motors="`fieldkit motors --fit`",
-        finals=f"`fieldkit finals {named} --motor {plan.motor} --season {year} --temperature 25c --card finals.pdf`",
+        finals=f"`fieldkit finals {given} --season {year} --temperature {day} --card finals.pdf`",
     )
 
 

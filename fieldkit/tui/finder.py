@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from shlex import quote
 from typing import Any, cast
 
 from rich.cells import cell_len
@@ -151,7 +152,7 @@ class Finder(Provider):
         about = Help(
             "The catalog data of this motor.",
             facts(motor, self._host.resources.settings.units),
-            (f"fieldkit motors {name} --json",),
+            (f"fieldkit motors {quote(name)} --json",),
         )
         self.app.push_screen(HelpScreen(name, about, (), "Catalog data"))
 

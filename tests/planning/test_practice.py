@@ -2,6 +2,8 @@
 
 import csv
 import io
+import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +97,16 @@ def test_a_season_counts_declared_flights_and_names_what_is_missing(season: Run)
     assert "test flights: 5 flown, 5 timed" in shown
     assert "Check it against the season's rules" in " ".join(shown.split())
     assert "fieldkit finals --rocket Team --motor F39T-6 --season 2027" in " ".join(shown.split())
+
+
+def test_the_command_for_the_finals_runs_as_printed_whatever_the_flyer_gave(season: Run) -> None:
+    season("edit", "1", "rocket=Team 2", "temperature_c=12")
+    season("units", "US")
+    for given in (["--rocket", "Team", "--motor", "AeroTech F39T-6"], ["--rocket", "Team 2"]):
+        printed = " ".join(season("season", *given, "--season", "2027").out.split())
+        found = re.search(r"`fieldkit (finals [^`]*77f) --card finals.pdf`", printed)
+        assert found
+        assert "target" in season(*shlex.split(found[1])).out
 
 
 def test_a_kit_that_never_flew_has_a_season_too(run: Run) -> None:

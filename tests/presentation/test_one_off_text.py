@@ -61,6 +61,8 @@ def test_a_tag_is_suggested_for_a_flight_that_has_none() -> None:
     one = flight(0.9, ("arc", 0.5), ("weak_motor", 0.3), ("misread", 0.1))
     assert one.suggested_tags == ("off_axis", "weak_launch")
     assert list(one_off_lines([one]))[1] == "If that is so: fieldkit tag 8 off_axis"
+    foreign = replace(one, flight=one.flight.with_changes(flight_id="8; reboot"))
+    assert list(one_off_lines([foreign]))[1] == "If that is so: fieldkit tag '8; reboot' off_axis"
     tagged = flight(0.9, ("arc", 0.5), tags=("off_axis",))
     assert tagged.suggested_tags == ()
     assert list(one_off_lines([tagged])) == []

@@ -6,6 +6,7 @@ Nothing is removed from a fit: each residual follows a Student t and has the cor
 Derivation: the tail of a Student t; see `smallest_usual_weight`.
 """
 
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -56,5 +57,5 @@ def _line(flight: Flight, readout: str, weight: float) -> str:
     found = "" if value is None else f" of {of_column(column, value)}"
     return message(
         f"{flight_label(name)}: {column.title.lower()}{found} is far from what the model expects and has "
-        f"{100 * weight:.0f}% of the usual weight; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
+        f"{100 * weight:.0f}% of the usual weight; if it is right, `fieldkit tag {quote(name)} {CHECKED_TAG}`"
     )

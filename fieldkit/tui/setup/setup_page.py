@@ -5,6 +5,7 @@ The help of the Setup page.
 
 from collections.abc import Iterable, Sequence
 from functools import partial
+from shlex import quote
 from typing import Any, ClassVar
 
 from textual import on
@@ -294,7 +295,7 @@ class SetupScreen(PageScreen):
     def _about_motor(self, motor: Motor) -> None:
         text = f"{motor.maker} {motor.designation}"
         facts = motor_facts.facts(motor, self.resources.settings.units)
-        about = Help("The catalog data of this motor.", facts, (f"fieldkit motors {text} --json",))
+        about = Help("The catalog data of this motor.", facts, (f"fieldkit motors {quote(text)} --json",))
         self.app.push_screen(HelpScreen(text, about, (), "Catalog data"))
 
     def _change_setting(self, name: str) -> None:
