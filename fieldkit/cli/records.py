@@ -129,8 +129,8 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         _print_events(recording)
         if _measures_otherwise(found, recording):
             complain(
-                f"note: this version measures the log differently, either way: `fieldkit remeasure {quote(id)} --dry-run` "
-                "shows by how much, and without --dry-run updates the flight"
+                "note: this version measures the log differently, either way: "
+                f"`fieldkit remeasure {quote(id)} --dry-run` shows by how much, and without --dry-run updates the flight"
             )
 
 
