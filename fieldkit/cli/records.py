@@ -130,7 +130,8 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         if _measures_otherwise(found, recording):
             complain(
                 "note: this version measures the log differently, either way: "
-                f"`fieldkit remeasure {quote(id)} --dry-run` shows by how much, and without --dry-run updates the flight"
+                f"`fieldkit remeasure {quote(id)} --dry-run` shows by how much, and without --dry-run updates the "
+                "flight"
             )
 
 

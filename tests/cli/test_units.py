@@ -76,7 +76,7 @@ def test_nothing_is_asked_without_a_terminal(tmp_path: Path, monkeypatch: pytest
     ("typed", "noted"),
     [(["Lark", "923ft"], True), (["12'6\""], True), (["1lb 3oz"], True), (["281 m", "F24-4W", "in"], False)],
 )
-def test_a_flyer_who_types_feet_is_told_how_to_see_them(
+def test_a_flyer_who_types_feet_reads_how_to_see_them(
     typed: list[str],
     noted: bool,
     tmp_path: Path,
