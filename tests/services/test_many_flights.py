@@ -1,14 +1,17 @@
 """A rocket with very many flights is fitted with the most informative ones, which every command says in a line."""
 
+import json
 from datetime import datetime, timedelta
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.cli.session import known_motors
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.services import plausible_flights
 from fieldkit.services.forecasts import flown
 from fieldkit.services.plausible_flights import MAX_FITTED_FLIGHTS, MAX_LATEST_FLIGHTS, exclusions, followed, simulable
 
@@ -76,3 +79,22 @@ def test_the_work_for_a_rocket_does_not_grow_with_its_oldest_flights(
             ]
         )
     assert answers[0] == answers[1]
+
+
+@pytest.mark.thorough
+def test_three_times_as_many_flights_hardly_narrow_a_forecast(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What the oldest flights of a rocket could add: the spread of its flights remains, however many there were."""
+    rng = np.random.default_rng(2000)
+    many = [flight.with_changes(apogee=250.0 * float(np.exp(rng.normal(0, 0.04)))) for flight in flights(150)]
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add(many)
+    widths = []
+    for factor in (1, 3):
+        monkeypatch.setattr(plausible_flights, "MAX_FITTED_FLIGHTS", factor * MAX_FITTED_FLIGHTS)
+        monkeypatch.setattr(plausible_flights, "MAX_LATEST_FLIGHTS", factor * MAX_LATEST_FLIGHTS)
+        assert main(["--ledger", str(tmp_path / "ledger.db"), "predict", "--motor", "F24-4W", "--json"]) == 0
+        apogee = json.loads(capsys.readouterr().out)["predictions"][0]["apogee_m"]
+        widths.append(apogee["p95"] - apogee["p05"])
+    assert widths[0] == pytest.approx(widths[1], rel=0.1)
