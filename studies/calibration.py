@@ -68,7 +68,7 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Tr
         readouts,
         len(histories) - 1,
         asked.plan[1].motor.designation not in flown,
-        rank(prediction.true_apogee, asked.truth.apogee, rng),
+        rank(prediction.apogee, asked.truth.apogee, rng),
         rank(log_cd, asked.truth.log_cd, rng),
     )
 

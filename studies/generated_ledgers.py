@@ -1,28 +1,35 @@
 """Ledgers drawn from the generative model of a flight: several rockets of one flyer with known true parameters.
 
-Shared terms (the flyer's fleet, motor types) are drawn once per ledger, other terms for each rocket, and scatter,
-reading errors and their Student t tails for each flight, exactly as in the likelihood of the fit.
+Shared terms (the flyer's fleet, motor types), the flyer's scatter and the scale of documents are drawn once per ledger,
+other terms and scales for each rocket, and scatter, causes of single flights, reading errors and their Student t tails
+for each flight, exactly as in the likelihood of the fit. The next flight is a usual one.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from functools import cache
+from types import MappingProxyType
 
 import numpy as np
+from scipy import stats
 
 from fieldkit.flight import Flight
 from fieldkit.flight.tags import CHECKED_TAG
+from fieldkit.inference.laplace.posterior import term_sds
+from fieldkit.model.causes import USUAL_PROBABILITY, signatures
+from fieldkit.model.documents import with_documents
 from fieldkit.model.hyperprior import READOUTS, Hyperprior
-from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
-from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, shared_names
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
+from fieldkit.model.rocket_model import Model, apogee_scatter, shared_names
 from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.history import field_setup, groups, history_of
 from fieldkit.physics.unique import fly_unique
-from fieldkit.shapes import Array, Float
+from fieldkit.selection.extended_model import rocket_model
+from fieldkit.shapes import Array, Flags, Float
 
 SUBSETS: Mapping[str, tuple[str, ...]] = {
     "apogee": ("apogee",),
@@ -43,13 +50,15 @@ SAME_DAY = 0.4
 """Fraction of flights on the same day as the previous one. [1]"""
 NEAREST_MOTORS = 12
 """Number of motors with similar thrust from which a rocket's other motors are drawn."""
+FINE = 400
+"""Number of values from which a scale is drawn. [1]"""
 TRIES = 50
 """Maximum number of redraws of a rocket that does not leave the pad."""
 
 
 @dataclass(frozen=True, slots=True)
 class LedgerTruth:
-    """The truth of a planned flight: its apogee [m], and the logarithms of Cd and alpha."""
+    """The truth of a planned flight: its apogee as an altimeter shows it [m], and the logarithms of Cd and alpha."""
 
     apogee: float
     log_cd: float
@@ -90,10 +99,37 @@ def random_recipe(rng: np.random.Generator) -> LedgerRecipe:
     return LedgerRecipe(flights, motors, SUBSETS[subset], bool(rng.random() < 0.2))
 
 
+@dataclass(frozen=True, slots=True)
+class DrawnFlights:
+    """Flights drawn from a model with one value of every scale: its terms in their units, and the readouts in SI."""
+
+    terms: Float[Array, "term"]
+    readouts: Float[Array, "flight readout"]
+
+
 def ledger(rng: np.random.Generator, recipes: Sequence[LedgerRecipe], hyperprior: Hyperprior) -> list[GeneratedHistory]:
     """The histories of a flyer's rockets, one for each recipe."""
     common: dict[TermName, float] = {}
-    return [_rocket(rng, f"R{number}", recipe, hyperprior, common) for number, recipe in enumerate(recipes)]
+    flyer = with_documents(hyperprior)
+    if flyer.documents is not None:
+        flyer = replace(flyer, documents=drawn_scale(rng, flyer.documents))
+    flyer = replace(flyer, scatter=_of_flyer(rng, flyer.scatter))
+    return [_rocket(rng, f"R{number}", recipe, flyer, common) for number, recipe in enumerate(recipes)]
+
+
+def drawn_scale(rng: np.random.Generator, scale: Scale) -> Scale:
+    """One value of a scale from its prior; of documents from the values over which a fit sums."""
+    fine = scale.refined() if scale.range[0] == scale.range[1] else replace(scale, points=FINE).between(*scale.range)
+    chance = np.exp(fine.log_prior - np.logaddexp.reduce(fine.log_prior))
+    return replace(scale, grid=(float(rng.choice(fine.values, p=chance)),), step=0.0)
+
+
+def _of_flyer(rng: np.random.Generator, scale: Scale) -> Scale:
+    """The prior of a rocket's scale given one value of the flyer's; the same if rockets do not share it."""
+    if not scale.within:
+        return scale
+    flyer = drawn_scale(rng, replace(scale, spread=float(np.sqrt(scale.spread**2 - scale.within**2))))
+    return replace(scale, median=flyer.grid[0], log_sd=scale.within, spread=0.0, within=0.0)
 
 
 def _rocket(
@@ -166,57 +202,68 @@ def _flown(
 ) -> GeneratedHistory | None:
     """Simulated flights from the model; None for a rocket that does not leave the pad or barely does."""
     flights, found = zip(*both, strict=True)
-    model = base_model(history_of(flights, found, flown=len(both) - 1), hyperprior)
-    drawn = dict(common)
-    scatter_scale, reading_scale = _scale(rng, hyperprior.scatter), _scale(rng, hyperprior.reading)
-    motor_scale = _scale(rng, hyperprior.motors) if hyperprior.motors else scatter_scale
-    values = _terms(rng, model, drawn, scatter_scale, reading_scale)
-    scatter = {str(kind.bends): rng.normal(size=(1, len(both))) * kind.sd * motor_scale for kind in model.scatter}
-    readings = shown(model, values, scatter)
-    tail = hyperprior.tail
-    higher = rng.standard_t(tail, len(both)) * apogee_scatter(model) * scatter_scale
-    apogee = float(readings["true"][0, -1] * np.exp(higher[-1]))
-    if not np.all(np.nan_to_num(readings["apogee"][0]) > MIN_APOGEE) or apogee < MIN_APOGEE:
+    model = rocket_model(history_of(flights, found, flown=len(both) - 1), (), hyperprior)
+    known_scale = model.hyperprior.documents
+    scales = [one if one is known_scale else drawn_scale(rng, one) for one in model.hyperprior.unknown_scales]
+    model = replace(model, hyperprior=model.hyperprior.with_scales(*scales))
+    drawn = drawn_flights(rng, model, np.isin(OBSERVED_READOUTS, recipe.readouts), common)
+    readouts = drawn.readouts.copy()
+    if not np.all(np.nan_to_num(readouts[:, 0]) > MIN_APOGEE):
         return None
-    noisy = _read(rng, model, readings, reading_scale, scatter_scale)
-    noisy[recipe.flights // 2, 0] *= recipe.outlier
-    common |= {name: drawn[name] for name in shared_names(model)}
+    readouts[recipe.flights // 2, 0] *= recipe.outlier
+    known = dict(zip(model.names, drawn.terms.tolist(), strict=True))
+    common |= {name: known[name] for name in shared_names(model)}
     rows = [
-        flight.with_changes(**{name: _number(noisy[i, READOUTS.index(name)]) for name in recipe.readouts})
-        for i, flight in enumerate(flights)
+        flight.with_changes(**{name: _number(own[OBSERVED_READOUTS.index(name)]) for name in recipe.readouts})
+        for flight, own in zip(flights, readouts, strict=True)
     ]
-    truth = LedgerTruth(apogee, *(float(bent(model, values, name)[0, -1]) for name in ("drag", "thrust")))
+    log_cd, log_alpha = (float(bent(model, drawn.terms[None], name)[0, -1]) for name in ("drag", "thrust"))
+    truth = LedgerTruth(float(readouts[-1, 0]), log_cd, log_alpha)
     return GeneratedHistory(tuple(zip(rows[:-1], found[:-1], strict=True)), both[-1], truth)
 
 
-def _scale(rng: np.random.Generator, scale: Scale) -> float:
-    return scale.median * float(np.exp(rng.normal(0, scale.log_sd)))
-
-
-def _terms(
-    rng: np.random.Generator, model: Model, drawn: dict[TermName, float], scatter: float, reading: float
-) -> Float[Array, "1 term"]:
-    """One draw of every term; those in `drawn` are reused, and the others are added to it."""
-    by = {"": 1.0, "scatter": scatter, "reading": reading}
-    for term in model.terms:
-        if term.name not in drawn:
-            value = np.nan
-            while not term.low <= value <= term.high:
-                value = float(rng.normal(term.mean, term.sd * by[term.scaled_by]))
-            drawn[term.name] = value
-    return np.array([[drawn[name] for name in model.names]])
-
-
-def _read(
-    rng: np.random.Generator, model: Model, readings: Mapping[str, Array], reading: float, scatter: float
-) -> Float[Array, "flight readout"]:
-    """Readouts with their errors, Student t."""
-    raw = np.stack([readings[name][0] for name in READOUTS], axis=-1)
+def drawn_flights(
+    rng: np.random.Generator, model: Model, seen: Flags, known: Mapping[TermName, float] = MappingProxyType({})
+) -> DrawnFlights:
+    """Flights from a model with one value of every scale; the last one is a usual one. `seen` marks the readouts that
+    flights have: only those can be misread. Terms that are `known` are not drawn."""
+    sds, tail = term_sds(model)[0], model.hyperprior.tail
+    drawn = [_within(rng, one.mean, sd, one.low, one.high) for one, sd in zip(model.terms, sds, strict=True)]
+    values = np.array([known.get(name, value) for name, value in zip(model.names, drawn, strict=True)])
+    scatter = {
+        str(kind.bends): kind.sd * scale * rng.normal(size=(1, len(model.flights)))
+        for kind, scale in zip(model.scatter, model.scatter_scales()[0], strict=True)
+    }
+    expected = shown(model, values[None], scatter)
+    raw = np.stack([expected[name][0] for name in OBSERVED_READOUTS], axis=-1)
+    (scatter_scale,), (reading_scale,), _ = model.hyperprior.scales()
     sd = reading_sd(raw, model.hyperprior)
-    width = reading * sd
-    width[:, 0] = np.hypot(sd[:, 0], scatter * apogee_scatter(model))
-    error = rng.standard_t(model.hyperprior.tail, raw.shape) * width
-    return np.asarray(np.where(IS_LOGARITHMIC, raw * np.exp(error), raw + error))
+    sd = np.where(np.array(OBSERVED_READOUTS) == "apogee", sd, sd * reading_scale)
+    sd[:, 0] = np.hypot(sd[:, 0], scatter_scale * apogee_scatter(model))
+    error = sd * rng.standard_t(tail, size=raw.shape)
+    error[:-1] += drawn_causes(rng, model, values, np.broadcast_to(seen, raw.shape))[:-1]
+    return DrawnFlights(values, np.where(IS_LOGARITHMIC, raw * np.exp(error), raw + error))
+
+
+def drawn_causes(
+    rng: np.random.Generator, model: Model, at: Float[Array, "term"], seen: Flags
+) -> Float[Array, "flight readout"]:
+    """The change of every flight's readouts as compared [1] or [s] by its cause, zero on a usual flight."""
+    expected = shown(model, at[None], {})
+    usual = compared(np.stack([expected[name][0] for name in OBSERVED_READOUTS], axis=-1))
+    known = signatures(model, at, usual, seen)
+    change = np.zeros_like(usual)
+    for row in range(len(usual)):
+        chance = np.append(np.exp(known.log_prior[:, row]), USUAL_PROBABILITY)
+        drawn = int(rng.choice(len(chance), p=chance / chance.sum()))
+        if drawn < len(known.cause):
+            change[row] = rng.normal(known.shift[drawn, row], np.abs(known.spread[drawn, row]))
+    return change
+
+
+def _within(rng: np.random.Generator, mean: float, sd: float, low: float, high: float) -> float:
+    below, above = (float(stats.norm.cdf(end, mean, sd)) for end in (low, high))
+    return float(stats.norm.ppf(rng.uniform(below, above), mean, sd))
 
 
 def _number(value: float) -> float | None:

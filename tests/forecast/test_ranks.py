@@ -8,7 +8,8 @@ from fieldkit.model.hyperprior import START
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.motors import catalogue
 from fieldkit.physics.history import flown_and_planned
-from tools.ranks import drawn_causes, drawn_scale, page, rank
+from studies.generated_ledgers import drawn_causes, drawn_scale
+from tools.ranks import page, rank
 
 MOTOR = catalogue().resolve("F24")
 
