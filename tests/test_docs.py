@@ -237,6 +237,7 @@ def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
     flights, median, crps = contest["fieldkit"]
     own = f"in learning, {flights} flights: median error {median}%, CRPS {crps}%"
     assert f"{own}, against {{1}}% and {{2}}% of the simple rule with the lowest CRPS".format(*best(contest)) in claims
+    assert f"at 800 ft, half miss by less than {8 * float(median):.0f} ft" in claims
     flights, median, crps = journal["fieldkit"]
     own = f"from his earlier ones, {flights}: {median}% and {crps}%"
     assert f"{own}, against {{1}}% and {{2}}%".format(*best(journal)) in claims

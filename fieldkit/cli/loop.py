@@ -144,7 +144,7 @@ def model(
             ledger.activate(name, use or None)
         versions = ledger.versions(name)
     shown = ShownUnits(system())
-    rows = [("0", "", "plain", "", "in use" if not any(v.active for v in versions) else "")]
+    rows = [("0", "", "no correction", "", "in use" if not any(v.active for v in versions) else "")]
     for version in versions:
         adds, *errors = version_summary(version)
         before, after = ("?" if error is None else shown.length(error, 1) for error in errors)
@@ -157,4 +157,4 @@ def model(
                 "in use" if version.active else "",
             )
         )
-    print_table(("version", "made", "adds", "held-out MAE", ""), rows)
+    print_table(("version", "made", "adds", "mean miss", ""), rows)

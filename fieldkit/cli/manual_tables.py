@@ -26,7 +26,10 @@ class ManualTable(TableElement):
         if widths is None:
             yield from _row_by_row(heads, rows)
             return
-        table = Table(box=box.SIMPLE, pad_edge=False, collapse_padding=True, style="markdown.table.border")
+        named = any(head.plain for head in heads)
+        table = Table(
+            box=box.SIMPLE, pad_edge=False, collapse_padding=True, show_header=named, style="markdown.table.border"
+        )
         for head, width in zip(heads, widths, strict=True):
             table.add_column(Text(head.plain, "markdown.table.header"), width=width)
         for row in rows:

@@ -60,9 +60,10 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     """Probabilities in descending order, and the verdict, in the units of a system."""
     chances = found.probabilities
     yield f"{found.rocket}: {counted(found.flights, 'normal flight')}, provisional, by a linear pass; nothing is saved"
-    yield f"  mean error without a correction, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
+    missed = ShownUnits(system).length(found.before.mae, 1)
+    yield f"  mean miss without a correction, each flight forecast from the others: {missed}"
     yield ""
-    yield "  candidate effect                  probability  evidence   strength"
+    yield "  effect                            probability  evidence   strength"
     yield from candidate_row("none", f"{chances.none:11.0%}")
     yield from candidate_row("unexplained", f"{chances.unexplained:11.0%}")
     for one in found.candidates:

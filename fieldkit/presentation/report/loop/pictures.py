@@ -143,7 +143,7 @@ def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) ->
     number = np.arange(len(ahead.seen)) + 1
     unit = shown.length_factor
     flown = np.exp(found.diagnosis.data.values[:, 0]) / unit
-    sides = [("plain", ahead.before, BEFORE_COLOR, -0.14)]
+    sides = [("no correction", ahead.before, BEFORE_COLOR, -0.14)]
     if any(ahead.chosen):
         sides.append(("effects chosen from earlier flights", ahead.after, AFTER_COLOR, 0.14))
     for title, forecasts, colour, shift in sides:
