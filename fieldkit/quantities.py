@@ -22,18 +22,15 @@ from fieldkit.spelled_units import spelled as spelled
 from fieldkit.spelled_units import with_sd as with_sd
 from fieldkit.spelled_units import with_unit as with_unit
 
+_FEET: Mapping[str, str] = {"m": "ft", "m/s": "mph", "c": "f", "J": "ft lbf", "1/km": "1/kft"}
 SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {
-        "SI": {},
-        "US": {"m": "ft", "m/s": "mph", "g": "oz", "mm": "in", "c": "f", "hpa": "inhg", "J": "ft lbf"},
-        "mixed": {"m": "ft", "m/s": "mph", "c": "f", "J": "ft lbf"},
-    }
+    {"SI": {}, "US": {**_FEET, "g": "oz", "mm": "in", "hpa": "inhg"}, "mixed": _FEET}
 )
 """The unit shown instead of a column's; columns not listed keep theirs. Acceleration stays in g."""
 
 DECIMALS: Mapping[str, int] = MappingProxyType(
     {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
-    | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2, "J": 0, "ft lbf": 0}
+    | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2, "1/kft": 2, "J": 0, "ft lbf": 0}
 )
 """Decimal digits by unit."""
 

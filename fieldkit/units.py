@@ -136,7 +136,7 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
     "impulse": {"ns": Unit(1.0)},
     "energy": {"j": Unit(1.0), "ftlbf": Unit(FOOT * POUND * STANDARD_GRAVITY)},
     "number": {"": Unit(1.0)},
-    "per length": {"1/km": Unit(1e-3), "pkm": Unit(1e-3), "1/m": Unit(1.0)},
+    "per length": {"1/km": Unit(1e-3), "pkm": Unit(1e-3), "1/m": Unit(1.0), "1/kft": Unit(1e-3 / FOOT)},
 }
 """Units by quantity and lower-case suffix."""
 

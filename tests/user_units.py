@@ -2,7 +2,7 @@
 
 import re
 
-_METRIC = r"m|m/s|kg|g|mm|cm|km|hPa|°C|K|kg/m³|m/s²|m/s\^2"
+_METRIC = r"1/km|m|m/s|kg|g|mm|cm|km|hPa|°C|K|kg/m³|m/s²|m/s\^2"
 _CUSTOMARY = r"ft|mph|oz|lb|in|inHg|°F|lb/ft³|ft/s²|ft/s\^2"
 _FIGURE = {
     system: re.compile(rf"(?<![\w.])[-+]?\d[\d.,]*(?:e[-+]?\d+)? (?:{units})(?![\w/^²³])|\[(?:{units})\]")

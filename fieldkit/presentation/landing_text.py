@@ -117,7 +117,7 @@ def _device(prediction: Prediction, fall: Fall, recovery: Recovery, shown: Shown
         return f"one {recovery.device}"
     density = float(air_at_pads([prediction.plan]).density[0])
     speed = fall.drogue.usual_speed(landing_mass(prediction.plan, prediction.found), density)
-    basis = " assumed" if fall.drogue.assumed else ""
+    basis = f" assumed, ± {DEFAULT_DESCENT_SD:.0%}" if fall.drogue.assumed else ""
     return f"drogue at apogee, {shown.speed(speed)}{basis}, main at {shown.length(recovery.main_altitude)}"
 
 
