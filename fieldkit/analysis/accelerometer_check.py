@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import THRUST_DECREASE, lagged, levelled
+from fieldkit.analysis.lag_prior import lag_density
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import mad_sd, median_step
@@ -59,12 +60,21 @@ _MAX_SAMPLE_INTERVAL = 0.2
 """Longest sample interval at which an accelerometer still captures the whole boost. [s]"""
 _FILTERS = (0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6)
 """Time constants of filters to try if no delay explains the heights. [s]"""
+_LAGS = (*np.arange(0.0, 0.2, 0.02).tolist(), *np.arange(0.2, 0.8, 0.04).tolist())
+"""Lags of heights behind a filter or small vents to try. [s]"""
+_ANOTHER_CLOCK, _DELAYS = 0.1, np.arange(-0.12, 0.13, 0.04)
+"""Probability that heights and acceleration have different clocks [1], and delays to try around the best one [s]."""
+_MIN_LAG = 0.04
+"""Smallest lag that is removed; less is an error of times. [s]"""
 _MAX_SHIFT, _STEP = 1.5, 0.02
 """Range of clock shifts to try, and the step. [s]"""
 _SCALE, _RAM, _HEIGHT_ERROR = 0.3, 0.05, 0.01
 """Standard deviations: of the scale; of the airframe's pressure error, relative to dynamic pressure; of heights,
 relative to themselves. [1]
 """
+_ZERO = 0.3
+"""Standard deviation of an accelerometer's zero since the pad and of what gravity loses along an axis tilted by ten
+degrees, which bends a climb as a lag does. [m/s^2]"""
 _TRANSONIC_SPEEDS = (260.0, 430.0)
 """Range of speeds in which the pressure is not trusted. [m/s]"""
 
@@ -78,7 +88,8 @@ class Agreement:
     remains after both, in standard deviations of the heights [1]. `derived` if the channel was computed rather than
     measured by a sensor. `boost` is the duration of the boost according to the heights, `onset` the time constant with
     which the channel rises at lift-off [s]. `filtered` is the time constant of the filter that the heights are behind,
-    if that explains them and no delay does [s].
+    if that explains them and no delay does [s]. `lag` is that of heights behind a short filter or small vents, to be
+    removed, and `lag_sd` its standard deviation [s], `scale_sd` that of the scale [1].
     """
 
     scale: float
@@ -92,6 +103,9 @@ class Agreement:
     onset: float = 0.0
     filtered: float = 0.0
     decrease: float = 0.0
+    lag: float = 0.0
+    lag_sd: float = 0.0
+    scale_sd: float = 0.0
 
     @property
     def is_consistent(self) -> bool:
@@ -191,17 +205,49 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     late, (_, misfit, scale, missed, sd) = float(shifts[best]), found[best]
     derived, boost = _is_derived(push, seen), seen.fastest - lift.time
     onset = _onset(time, net, lift.time, seen.fastest) if derived else 0.0
-    filtered = 0.0
-    if misfit > _MAX_MISFIT and full is None:
+    filtered, lag, lag_sd, scale_sd = 0.0, 0.0, 0.0, 0.0
+    if full is None:
         even = np.arange(time[0], time[-1], _STEP)
+        zero = np.maximum(even - lift.time, 0.0) ** 2 / 2
         fast, high = np.interp(even, time, speed), np.interp(even, time, climb)
-        behind = [lagged(high, float(high[0]), _STEP, lag) for lag in _FILTERS]
-        misfits = [_fit(when, height, even, one, fast, None, spread, correlated)[1] for one in behind]
-        least = int(np.argmin(misfits))
-        filtered = _FILTERS[least] if misfits[least] < _MAX_MISFIT else 0.0
-    return Agreement(
-        scale, late, step, missed, misfit, sd * max(1.0, misfit), derived, boost, onset, filtered, decrease
+
+        def behind(lag: float, delay: float = 0.0) -> tuple[float, float, float, float, float]:
+            shown, rams, drifts = (lagged(one, float(one[0]), _STEP, lag) for one in (high, fast**2, zero))
+            flown = np.sqrt(np.maximum(rams, 0.0))
+            return _fit(when - delay, height, even, shown, flown, None, spread, correlated, drifts)
+
+        scale_sd, sd = sd, 0.0
+        delays = _DELAYS - late
+        by_lag, by_delay = [behind(one)[0] for one in _LAGS], [behind(0.0, one)[0] for one in delays.tolist()]
+        lag, lag_sd = _lag_of(np.array(by_lag), delays, np.array(by_delay))
+        if misfit > _MAX_MISFIT:
+            misfits = [behind(one)[1] for one in _FILTERS]
+            least = int(np.argmin(misfits))
+            filtered = _FILTERS[least] if misfits[least] < _MAX_MISFIT else 0.0
+    beyond_sd = sd * max(1.0, misfit)
+    known = {"filtered": filtered, "decrease": decrease, "lag": lag, "lag_sd": lag_sd, "scale_sd": scale_sd}
+    return Agreement(scale, late, step, missed, misfit, beyond_sd, derived, boost, onset, **known)
+
+
+def _lag_of(
+    by_lag: Float[Array, "lag"], delays: Float[Array, "delay"], by_delay: Float[Array, "delay"]
+) -> tuple[float, float]:
+    """The lag of heights behind those of an accelerometer, and its standard deviation, from the cost of each of `_LAGS`
+    and of each of some delays [s] on another clock. [s]
+
+    Derivation: heights behind a first-order filter T are late by T in a coast, but by less of it in the boost before.
+    A lag too small to be removed is part of the error.
+    """
+    lags, least = np.array(_LAGS), min(by_lag.min(), by_delay.min())
+    spans = lag_density(lags) * np.gradient(lags)
+    weights = np.append(
+        (1 - _ANOTHER_CLOCK) * np.exp((least - by_lag) / 2) * spans / spans.sum(),
+        _ANOTHER_CLOCK * np.exp((least - by_delay) / 2) * np.gradient(delays) / (2 * _MAX_SHIFT),
     )
+    weights, late = weights / weights.sum(), np.append(lags, delays)
+    mean = float(weights @ late)
+    variance = float(weights @ (late - mean) ** 2)
+    return (mean, variance**0.5) if mean > _MIN_LAG else (0.0, (mean**2 + variance) ** 0.5)
 
 
 def shape_of_missed(push: Push, full: Flags, missed: float, decrease: float) -> Float[Array, "time"]:
@@ -265,16 +311,20 @@ def _fit(
     beyond: Float[Array, "time"] | None,
     spread: Float[Array, "sample"],
     correlated: float,
+    zero: Float[Array, "time"] | None = None,
 ) -> tuple[float, float, float, float, float]:
     """Cost of a climb through heights, its misfit in standard deviations of these, the best scale, how much of `beyond`
-    was missed, and its standard deviation.
+    was missed, and its standard deviation, or without `beyond` that of the scale.
 
     `spread` is the standard deviation of each height [m], `correlated` the number of neighbors that share its error.
+    `zero` is the climb by an error of the accelerometer's zero of one unit, if that is fitted.
     The airframe's pressure error, a fraction of the dynamic pressure, is fitted together with the scale.
     """
     felt = np.interp(when, time, climb)
     ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)
     columns, sds = [felt, ram], [_SCALE if beyond is None else _FILLED_SCALE, _RAM]
+    if zero is not None:
+        columns, sds = [*columns, np.interp(when, time, zero)], [*sds, _ZERO]
     if beyond is not None:
         columns, sds = [*columns, np.interp(when, time, beyond)], [*sds, _MISSED]
     prior = np.diag(1 / np.array(sds))
@@ -284,7 +334,7 @@ def _fit(
     values, *_ = np.linalg.lstsq(design, target, rcond=None)
     left = target - design @ values
     cost, misfit = float(left @ left), float(np.sqrt(correlated * np.mean(left[: when.size] ** 2)))
+    errors = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
     if beyond is None:
-        return cost, misfit, float(values[0]), 0.0, 0.0
-    sd = float(np.sqrt(np.linalg.inv(design.T @ design)[2, 2]))
-    return cost, misfit, float(values[0]), float(values[2]), sd
+        return cost, misfit, float(values[0]), 0.0, float(errors[0])
+    return cost, misfit, float(values[0]), float(values[2]), float(errors[2])

@@ -9,6 +9,7 @@ import numpy as np
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights
 from fieldkit.analysis.phases import WIND_PRESSURE_SD, Outline
+from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -58,7 +59,7 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     if shown is not None and shown[1].sd < fit_error:
         return shown
     spread = 1.4826 * np.median(np.abs(moments - moment))
-    event = Event(moment, float(np.hypot(spread, track.lag / 2)), track.source)
+    event = Event(moment, float(np.hypot(spread, track.lag_sd)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
 
 
@@ -140,7 +141,8 @@ def _spread(values: Float[Array, "_"]) -> float:
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
     """Height above the pad at an event, by a parabola through the samples of the second before it. [m]
 
-    A lag that was removed from the heights may be off by half of it, which moves them by that much of their slope.
+    The error of a lag that was removed from the heights moves them by that much of their slope, and that of static
+    ports by a part of the dynamic pressure, in a fall as well.
     """
     if ascent.time[0] <= moment.time <= ascent.time[-1]:
         value = float(np.interp(moment.time, ascent.time, ascent.height))
@@ -157,7 +159,7 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
         _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
         left = where - np.polyval(np.polyfit(when, where, 2), when)
         spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
-    sd = np.sqrt(
-        spread**2 + seen.pad_sd**2 + slow_error_sd(track, seen) ** 2 + slope**2 * (moment.sd**2 + track.lag**2 / 4)
-    )
-    return Figure(value, float(sd), track.source)
+    ports = STATIC_SD * slope**2 / (2 * GRAVITY) if track.is_barometric else 0.0
+    late = slope * np.hypot(moment.sd, track.lag_sd)
+    sd = float(np.linalg.norm([spread, seen.pad_sd, slow_error_sd(track, seen), late, ports]))
+    return Figure(value, sd, track.source)

@@ -201,9 +201,8 @@ def _fit_start(
     if coast is not None and is_partial and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
         coast = None
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    samples = samples_on(
-        grid, time, height, track.noise, push if fused else None, sighted, track.lag, is_barometric=track.is_barometric
-    )
+    shaping, lag = push if fused else None, (track.lag, track.lag_sd)
+    samples = samples_on(grid, time, height, track.noise, shaping, sighted, lag, is_barometric=track.is_barometric)
     return FitStart(samples, coast, guess, fused)
 
 

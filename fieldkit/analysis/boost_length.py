@@ -4,6 +4,8 @@ Derivation: a rocket that accelerates evenly from lift-off to burnout reaches ha
 the coast, extrapolated back to the pad, starts in the middle of the boost: it shows when the boost was, not how long.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fieldkit.analysis.records import Event, Figure
@@ -12,6 +14,8 @@ from fieldkit.shapes import Array, Float
 
 SHORTEST_BOOST = 0.15
 """Duration of the shortest boosts. [s]"""
+_WITHIN = 0.9545
+"""Part of a normal distribution within two standard deviations. [1]"""
 _MIN_BOOST_SAMPLES = 2.0
 """Number of samples in a boost below which they do not show its length. [1]"""
 
@@ -25,17 +29,24 @@ def burn_time(burn: Figure, lift: Event, burnout: Event, time: Float[Array, "tim
     return Figure(burn.value, lift.sd + burnout.sd, burn.source)
 
 
-def mean_acceleration(speed: Figure, burn: Figure) -> Figure:
-    """Top speed divided by burn time, net of gravity. [m/s^2]
+def mean_acceleration(
+    value: float, speeds: Sequence[Figure], burns: Sequence[Figure], weights: Sequence[float]
+) -> Figure:
+    """A top speed divided by a burn time, net of gravity, if both have a mixture of normal distributions. [m/s^2]
 
-    Its standard deviation is the root mean square deviation over the normal distribution of the burn time, because a
-    burn time shorter by half doubles the acceleration, and one longer by half only reduces it by a third.
+    A burn time shorter by half doubles the acceleration, and one longer by half only reduces it by a third. So the
+    standard deviation is half of the distance from the value that 95% of the distribution are within.
     """
-    value = speed.value / burn.value
-    burns = burn.value + burn.sd * np.linspace(-4, 4, 801)
-    weight = np.exp(-(((burns - burn.value) / max(burn.sd, 1e-9)) ** 2) / 2)[burns > SHORTEST_BOOST]
-    burns = burns[burns > SHORTEST_BOOST]
-    if not burns.size:
-        return Figure(value, float("inf"), burn.source)
-    square = weight @ (((speed.value / burns - value) ** 2) + (speed.sd / burns) ** 2) / weight.sum()
-    return Figure(value, float(np.sqrt(square)), burn.source)
+    each = np.linspace(-4, 4, 161)
+    lasts = np.array([burn.value + burn.sd * each for burn in burns])
+    likely = np.exp(-(each**2) / 2) * np.array(weights)[:, None] * (lasts > SHORTEST_BOOST)
+    if not likely.any():
+        return Figure(value, float("inf"), burns[0].source)
+    speed, sd = (np.array([[getattr(one, part)] for one in speeds]) for part in ("value", "sd"))
+    lasts = np.maximum(lasts, SHORTEST_BOOST)
+    away = np.abs(speed / lasts - value).ravel()
+    order = np.argsort(away)
+    within = np.cumsum(likely.ravel()[order]) / likely.sum()
+    by_burn = float(away[order][np.searchsorted(within, _WITHIN)]) / 2
+    by_speed = float(np.sqrt((likely * (sd / lasts) ** 2).sum() / likely.sum()))
+    return Figure(value, float(np.hypot(by_burn, by_speed)), burns[0].source)

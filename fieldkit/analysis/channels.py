@@ -69,8 +69,9 @@ class Heights:
 
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` if samples near the
     speed of sound were removed because shocks faked a fall. `lag` is the delay from a filter or small vents, which has
-    been removed [s]. `bend` is the time constant of a filter that they may be behind, whether they are corrected for it
-    or not: it bends the end of a descent [s]. `shift` is by how much their times were moved for it [s].
+    been removed, and `lag_sd` the error of the delay [s]. `bend` is the time constant of a filter that they may be
+    behind, whether they are corrected for it or not: it bends the end of a descent [s]. `shift` is by how much their
+    times were moved for it [s].
     """
 
     time: Float[Array, "time"]
@@ -80,6 +81,7 @@ class Heights:
     source: str
     disturbed: bool = False
     lag: float = 0.0
+    lag_sd: float = 0.0
     bend: float = 0.0
     shift: float = 0.0
 
@@ -97,8 +99,8 @@ class Push:
     `weighs` if the channel itself includes gravity, so that its scale is visible on the pad. `full` marks the samples
     at the end of the range, to which `missed` has been added on average based on the heights; None if the range was
     never exceeded, up to its `range_end` [m/s^2]. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the
-    ratio of the climb from heights to the climb from the accelerometer; it differs from 1 because of calibration, tilt,
-    or a pressure error [1].
+    ratio of the climb from heights to the climb from the accelerometer, and `scale_sd` its standard deviation; it
+    differs from 1 because of calibration, tilt, or a pressure error [1].
     `blur` is the delay of a filtered channel, and so about the time over which it spreads a change of thrust [s].
     """
 
@@ -112,6 +114,7 @@ class Push:
     range_end: float = np.inf
     missed_speed_sd: float = 0.0
     scale: float = 1.0
+    scale_sd: float = 0.0
     blur: float = 0.0
 
 

@@ -84,6 +84,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         end = (level - middle) / slope if slope < -0.3 else about
         end = float(np.clip(end, about - 2 - bent, about + 1))
         sd = float(np.hypot(_line_error(when, track.noise, end), level_sd)) / max(-slope, 0.5)
+        sd = float(np.hypot(sd, track.lag_sd))
         found, high = Event(end, sd, track.source), np.full(time.size, True)
     return found, level
 
@@ -171,9 +172,17 @@ def _from_unseen_ejection(slowest: float, height: float, lasts: float, step: flo
 
 
 def descent_speed(
-    track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None, *, known: bool
+    track: Heights,
+    seen: Outline,
+    begin: Event,
+    end: Event | None,
+    level: float | None,
+    ejected: Figure | None = None,
+    *,
+    known: bool,
 ) -> Figure | None:
     """Mean speed from ejection, or from apogee if ejection is not `known`, to landing, as the AltimeterTwo defines it.
+    `ejected` is the height above the pad at ejection, if it was measured.
 
     In a ledger of that device, ejection height divided by the time from ejection to landing is 1.03 times its descent
     speed, the median of 47 flights. Without landing it is the mean over what the log contains, if that is at least a
@@ -181,7 +190,7 @@ def descent_speed(
     open. `level` is the height of the landing [m].
     """
     start = begin.time
-    upper = float(np.interp(start, track.time, seen.calm))
+    upper = ejected.value + seen.pad if ejected else float(np.interp(start, track.time, seen.calm))
     if end is not None and level is not None and end.time - start > 1:
         value = (upper - level) / (end.time - start)
         if known:
@@ -189,7 +198,7 @@ def descent_speed(
         else:
             value, sd = _from_unseen_ejection(value, upper - level, end.time - start, median_step(track.time))
             sd = np.hypot(sd, value * end.sd / (end.time - start))
-        sd = np.hypot(sd, 2 * track.noise / (end.time - start))
+        sd = np.hypot(sd, (ejected.sd if ejected else 2 * track.noise) / (end.time - start))
         return Figure(value, float(sd), track.source) if value > 0 else None
     last = float(np.median(track.height[track.time > track.time[-1] - _LAST_SECOND]))
     gone, rest, way = float(track.time[-1]) - _LAST_SECOND / 2 - start, last - seen.pad, upper - seen.pad

@@ -119,7 +119,7 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     braking = max((float(fall[fastest]) / max(final_speed, 1.0)) ** 2 - 1, _LEAST_BRAKING)
     early = half * _shift(braking)
     fired = float(when[fastest]) + track.shift - track.bend / (1 + braking)
-    behind = float(np.hypot(track.bend / (1 + braking), track.lag * braking / (1 + braking))) / 2
+    behind = float(np.hypot(track.bend / (1 + braking) / 2, track.lag_sd * braking / (1 + braking)))
     braked = Event(fired, float(np.linalg.norm([early / np.sqrt(3), moved, behind])), track.source)
     return _in_hole(time[(time > when[fastest] - 2 * half) & (time < when[fastest])], step, braked)
 

@@ -269,7 +269,8 @@ def _down(
     begin = ejected or replace(apogee, sd=2.0)
     if resumed is not None and begin.time < resumed:
         begin = Event(resumed, 0.1 if ejected else begin.sd, track.source)
-    speed = descent_speed(track, seen, begin, landed, level, known=ejected is not None or begin.time > apogee.time)
+    at = figures.get("eject_altitude") if begin is ejected else None
+    speed = descent_speed(track, seen, begin, landed, level, at, known=begin is ejected or begin.time > apogee.time)
     if speed:
         figures["descent_speed"] = speed
     stages = descent_stages(track, seen, max(begin.time, apogee.time), landed.time if landed else None)

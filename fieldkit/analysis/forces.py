@@ -154,8 +154,9 @@ def boost_event(
             late = float(np.linalg.norm([late, max(step, median_step(time)) / np.sqrt(12), noise]))
         else:
             moment, late = crossed[0], float(np.hypot(crossed[1] / np.sqrt(12), noise))
-        gained, scale = _gained_between(push, begin, time[place]), (push.scale - 1) / 2 * value
-        spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, scale, push.missed_speed_sd, gained]))
+        gained = _gained_between(push, begin, time[place])
+        scale = float(np.hypot(push.scale - 1, push.scale_sd)) / 2 * value if push.scale_sd else _SPEED_ERROR * value
+        spread = float(np.linalg.norm([spread, scale, push.missed_speed_sd, gained]))
     else:
         is_barometric, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
         fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR

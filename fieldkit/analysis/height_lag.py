@@ -25,6 +25,7 @@ import numpy as np
 
 from fieldkit.analysis.boost_length import burn_time, mean_acceleration
 from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.lag_prior import TYPICAL_LAG
 from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import known_well, possible
@@ -37,8 +38,6 @@ _USUAL_LAGS = (0.0, 0.06, 0.12, 0.2, 0.28, 0.36, 0.45, 0.55, 0.7)
 """Lags of altimeters. [s]"""
 _LAGS = (*_USUAL_LAGS, 0.85, 1.05, 1.3, 1.6)
 """Lags to try: software of flyers has slower filters than altimeters. [s]"""
-_TYPICAL_LAG = 0.05
-"""Scale of the half-Cauchy prior of a lag: half of all loggers are below it, one in six has more than 0.2 s. [s]"""
 _REST_MARGIN, _REST_SEEN, _AT_REST = 0.3, 2.0, (8.0, 1.0)
 """Time before lift-off that does not count as rest, and time at the end of a log that shows where it rests [s]; how far
 heights are from there, in their noise [1] or, if more, in m."""
@@ -128,7 +127,7 @@ def _steps_at_rest(track: Heights, lift: float) -> tuple[Float[Array, "step"], f
 def _prior(lags: tuple[float, ...]) -> Float[Array, "lag"]:
     """Prior probability of each of some lags [s]. [1]"""
     edges = np.append((np.array(lags[1:]) + lags[:-1]) / 2, np.inf)
-    return np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
+    return np.diff(np.arctan(edges / TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
 
 
 def widened_by_unseen_lag(found: Recorded) -> Recorded:
@@ -177,20 +176,21 @@ def averaged(every: Sequence[Recorded], weights: Sequence[float], time: Float[Ar
     figures = {name: _mean([one.get(name) for one in each], weights) for name in best.figures}
     events = {name: _moment([one.events.get(name) for one in every], weights) for name in best.events}
     if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
-        mixed, value = figures["avg_accel"], figures["top_speed"].value / figures["burn_time"].value
-        figures["avg_accel"] = replace(mixed, value=value, sd=float(np.hypot(mixed.sd, mixed.value - value)))
+        known_in = [(one, w) for one, w in zip(each, weights, strict=True) if {"top_speed", "burn_time"} <= one.keys()]
+        speeds, burns = ([one[name] for one, _ in known_in] for name in ("top_speed", "burn_time"))
+        value = figures["top_speed"].value / figures["burn_time"].value
+        mean = mean_acceleration(value, speeds, burns, [weight for _, weight in known_in])
+        figures["avg_accel"] = replace(mean, source=figures["avg_accel"].source)
     known, impossible = possible(figures)
     known, unknown = known_well(known)
     return replace(best, figures=known, events=events, notes=(*best.notes, *impossible, *unknown))
 
 
 def _with_few_samples(found: Recorded, time: Float[Array, "time"]) -> dict[str, Figure]:
-    """Figures with errors of burn time and average acceleration that hold for samples at few times [s]."""
+    """Figures with an error of the burn time that holds for samples at few times [s]."""
     figures = dict(found.figures)
     if "burn_time" in figures:
         figures["burn_time"] = burn_time(figures["burn_time"], found.events["liftoff"], found.events["burnout"], time)
-    if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
-        figures["avg_accel"] = mean_acceleration(figures["top_speed"], figures["burn_time"])
     return figures
 
 

@@ -62,8 +62,6 @@ _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_COUNTS = 0.2
 """Least number of independent samples that one height is worth without a filter in the logger. [1]"""
-_MIN_LAG = 0.08
-"""Smallest delay of heights relative to an accelerometer that is corrected. [s]"""
 
 
 def rises(clocks: Sequence[Series]) -> bool:
@@ -139,7 +137,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     trust, seen = _best_trusted(pushes(clocks, start - 15, seen.top + 20), track, seen, start)
     felt = trust.push or trust.clock_only
     slanted = trust.slanted
-    track, seen = _sooner(trust.lag, replace(track, bend=trust.filtered), seen)
+    track, seen = _sooner(trust.lag, replace(track, bend=trust.filtered, lag_sd=trust.lag_sd), seen)
     if slanted is not None:
         track, seen = _without(~slanted.agrees(track, seen.pad), track, seen)
     lift = liftoff(track, felt, seen)
@@ -203,14 +201,15 @@ class _Trust:
     """The accelerometer to use, and what the check of it found.
 
     The trusted accelerometer, or None; the tilted climb computed from it, if any; the delay of the heights relative to
-    it, from a filter or small vents [s]; the note for the user; an accelerometer whose clock alone is trusted, for the
-    shocks that it felt; whether the accelerometer was compared with the heights; and the time constant of the filter
-    that the heights are behind, if it shows one [s].
+    it, from a filter or small vents, and its standard deviation [s]; the note for the user; an accelerometer whose
+    clock alone is trusted, for the shocks that it felt; whether the accelerometer was compared with the heights; and
+    the time constant of the filter that the heights are behind, if it shows one [s].
     """
 
     push: Push | None
     slanted: SlantedFlight | None = None
     lag: float = 0.0
+    lag_sd: float = 0.0
     notes: tuple[str, ...] = ()
     clock_only: Push | None = None
     compared: bool = True
@@ -258,9 +257,8 @@ def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> t
     if found is None:
         return _Trust(push, compared=rise is None), seen
     if found.is_consistent:
-        lag = -found.late if found.late < -_MIN_LAG - found.step / 2 else 0.0
-        kept = replace(push, scale=found.scale, blur=found.blur)
-        return _Trust(kept, lag=lag, filtered=found.filtered), seen
+        kept = replace(push, scale=found.scale, scale_sd=found.scale_sd, blur=found.blur)
+        return _Trust(kept, lag=found.lag, lag_sd=found.lag_sd, filtered=found.filtered), seen
     if found.keeps_time:
         return _Trust(None, notes=(ONLY_CLOCK_NOTE.format(found.why),), clock_only=push), seen
     return _Trust(None, notes=(REJECTED_NOTE.format(found.why),)), seen

@@ -280,15 +280,15 @@ def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
 def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
     """Error of each height after correction for a first-order filter's delay. [m]
 
-    A filter with delay d leaves an error of a d²/2 at acceleration a; a 50% uncertainty of the delay leaves v d/2 at
-    speed v. Both are shared by all samples of a boost.
+    A filter with delay d leaves an error of a d²/2 at acceleration a; an error of the delay leaves that times the
+    speed. Both are shared by all samples of a boost.
     """
     if not samples.lag or marks.lift is None:
         return np.zeros(samples.time.size)
     pushed = (samples.time > marks.lift) & (samples.time < marks.burnout + 3 * samples.lag)
     inflation = np.sqrt(max(1.0, _BOOST_TIME / median_step(samples.time[: samples.own])))
     blurred = pushed * samples.lag**2 / 2 * float(np.abs(guess.acceleration).max())
-    shifted = samples.lag / 2 * np.interp(samples.time, samples.grid.time, guess.speed)
+    shifted = samples.lag_sd * np.interp(samples.time, samples.grid.time, guess.speed)
     return np.asarray(inflation * np.hypot(blurred, shifted))
 
 

@@ -33,8 +33,8 @@ class Samples:
 
     The first `own` samples are the heights of the log's main source. The rest are satellite data, heights and speeds by
     their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights are delayed
-    by `lag` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer was saturated [m^2/s^5].
-    `is_barometric` if the main source is pressure, which is biased in a fast airframe.
+    by `lag`, whose error is `lag_sd` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer
+    was saturated [m^2/s^5]. `is_barometric` if the main source is pressure, which is biased in a fast airframe.
     """
 
     time: Float[Array, "time"]
@@ -47,6 +47,7 @@ class Samples:
     variance: Float[Array, "time"]
     static: float = 0.0
     lag: float = 0.0
+    lag_sd: float = 0.0
     is_barometric: bool = True
 
     @property
@@ -74,13 +75,13 @@ def samples_on(
     noise: float,
     push: Push | None = None,
     sighted: Sightings | None = None,
-    lag: float = 0.0,
+    lag: tuple[float, float] = (0.0, 0.0),
     *,
     is_barometric: bool = True,
 ) -> Samples:
     """Prepare heights above the pad for fits on a grid, with satellite data and an accelerometer that shapes the curve.
 
-    Heights and their noise [m], times and the lag of the sensor [s].
+    Heights and their noise [m], times and the lag of the sensor with its standard deviation [s].
     """
     own = time.size
     order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0
@@ -99,7 +100,7 @@ def samples_on(
         order,
         variance,
         static,
-        lag,
+        *lag,
         is_barometric,
     )
 

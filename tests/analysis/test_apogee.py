@@ -44,5 +44,5 @@ def test_an_uncertain_lag_is_an_error_of_a_height_on_a_slope(moment: float) -> N
     curve = Ascent(knots, height[:50], flat[0] - 20, flat[0], height[:50] + flat, flat - 20, flat, 0.3, 0.0, fused=True)
     track = Heights(time, height, True, 0.3, "barometric altitude")
     seen = Outline(0.0, 1.0, 2.0, True, 0.0, 0.2, 300.0, height, False, 100.0)
-    sds = [height_at(curve, replace(track, lag=lag), seen, Event(moment, 0.02, "")).sd for lag in (0.0, 0.4)]
+    sds = [height_at(curve, replace(track, lag_sd=lag), seen, Event(moment, 0.02, "")).sd for lag in (0.0, 0.2)]
     assert sds[1] == pytest.approx(np.hypot(sds[0], 20 * 0.2), rel=0.02)

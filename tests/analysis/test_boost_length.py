@@ -17,15 +17,16 @@ def test_errors_of_lift_off_and_burnout_add_up_if_few_samples_show_the_boost() -
 
 def test_a_mean_acceleration_allows_for_a_burn_time_much_shorter_than_the_most_likely_one() -> None:
     speed = Figure(84.0, 7.5, "barometric altitude")
-    mean = mean_acceleration(speed, Figure(1.4, 0.42, "barometric altitude"))
+    mean = mean_acceleration(60.0, [speed], [Figure(1.4, 0.42, "barometric altitude")], [1.0])
     assert mean.value == pytest.approx(60.0)
     assert mean.sd > 1.3 * 60 * np.hypot(7.5 / 84, 0.42 / 1.4)
 
 
 def test_a_mean_acceleration_has_the_errors_of_a_precise_speed_and_burn_time_in_quadrature() -> None:
-    mean = mean_acceleration(Figure(84.0, 0.84, "acceleration"), Figure(1.4, 0.014, "acceleration"))
+    mean = mean_acceleration(60.0, [Figure(84.0, 0.84, "acceleration")], [Figure(1.4, 0.014, "acceleration")], [1.0])
     assert mean.sd == pytest.approx(60 * np.hypot(0.01, 0.01), rel=0.01)
 
 
 def test_a_mean_acceleration_whose_burn_time_is_no_boost_is_unknown() -> None:
-    assert np.isinf(mean_acceleration(Figure(84.0, 7.5, "pressure"), Figure(0.01, 0.001, "pressure")).sd)
+    mean = mean_acceleration(8400.0, [Figure(84.0, 7.5, "pressure")], [Figure(0.01, 0.001, "pressure")], [1.0])
+    assert np.isinf(mean.sd)
