@@ -59,7 +59,7 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     if shown is not None and shown[1].sd < fit_error:
         return shown
     spread = 1.4826 * np.median(np.abs(moments - moment))
-    event = Event(moment, float(np.hypot(spread, track.lag_sd)), track.source)
+    event = Event(moment, float(np.linalg.norm([spread, track.lag_sd, track.top_held])), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
 
 

@@ -71,7 +71,8 @@ class Heights:
     speed of sound were removed because shocks faked a fall. `lag` is the delay from a filter or small vents, which has
     been removed, and `lag_sd` the error of the delay [s]. `bend` is the time constant of a filter that they may be
     behind, whether they are corrected for it or not: it bends the end of a descent [s]. `shift` is by how much their
-    times were moved for it [s].
+    times were moved for it [s]. `held` is the resolution if it hides the noise of the sensor: no number of samples
+    averages what each held value is off; 0 otherwise [m].
     """
 
     time: Float[Array, "time"]
@@ -84,6 +85,12 @@ class Heights:
     lag_sd: float = 0.0
     bend: float = 0.0
     shift: float = 0.0
+    held: float = 0.0
+
+    @property
+    def top_held(self) -> float:
+        """Error of the time of a top, anywhere in the free fall through the height held there. [s]"""
+        return float(np.sqrt(2 * self.held / GRAVITY / 12))
 
     @property
     def is_barometric(self) -> bool:
@@ -309,11 +316,13 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
         return None
     away = np.abs(height - running_median_over(time, height, _WINDOW, _MIN_SIZE, _MAX_SIZE))
     usual = 1.4826 * running_median_over(time, away, 4 * _WINDOW, 8 * _MIN_SIZE, 4 * _MAX_SIZE)
-    noise = max(mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height) / np.sqrt(12), 0.02)
+    sensor, resolution = mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height)
+    noise = max(sensor, resolution / np.sqrt(12), 0.02)
     line = away <= 5 * np.maximum(usual, noise) + _sagitta(time)
     if line.sum() < MIN_SAMPLES:
         return None
-    found = Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, CHANNEL_TITLES[name])
+    zeroed, held = name in ("altitude", "inertial_altitude"), resolution if sensor < resolution / np.sqrt(12) else 0.0
+    found = Heights(time[line], height[line], zeroed, noise, CHANNEL_TITLES[name], held=held)
     rest = rest_level(found)
     return replace(found, zeroed=found.zeroed and not (rest is not None and abs(rest) > _MOST_TERRAIN))
 

@@ -84,7 +84,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         end = (level - middle) / slope if slope < -0.3 else about
         end = float(np.clip(end, about - 2 - bent, about + 1))
         sd = float(np.hypot(_line_error(when, track.noise, end), level_sd)) / max(-slope, 0.5)
-        sd = float(np.hypot(sd, track.lag_sd))
+        sd = float(np.linalg.norm([sd, track.lag_sd, track.held / max(-slope, 0.5) / np.sqrt(12)]))
         found, high = Event(end, sd, track.source), np.full(time.size, True)
     return found, level
 

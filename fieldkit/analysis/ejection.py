@@ -120,7 +120,7 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     early = half * _shift(braking)
     fired = float(when[fastest]) + track.shift - track.bend / (1 + braking)
     behind = float(np.hypot(track.bend / (1 + braking) / 2, track.lag_sd * braking / (1 + braking)))
-    braked = Event(fired, float(np.linalg.norm([early / np.sqrt(3), moved, behind])), track.source)
+    braked = Event(fired, float(np.linalg.norm([early / np.sqrt(3), moved, behind, track.top_held])), track.source)
     return _in_hole(time[(time > when[fastest] - 2 * half) & (time < when[fastest])], step, braked)
 
 
