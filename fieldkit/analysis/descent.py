@@ -193,8 +193,8 @@ def descent_speed(
     upper = ejected.value + seen.pad if ejected else float(np.interp(start, track.time, seen.calm))
     if end is not None and level is not None and end.time - start > 1:
         value = (upper - level) / (end.time - start)
-        if known:
-            sd = value * np.hypot(begin.sd, end.sd) / (end.time - start)
+        if known:  # a later ejection is lower and leaves less time, by about as much
+            sd = value * np.hypot(0.0 if ejected else begin.sd, end.sd) / (end.time - start)
         else:
             value, sd = _from_unseen_ejection(value, upper - level, end.time - start, median_step(track.time))
             sd = np.hypot(sd, value * end.sd / (end.time - start))

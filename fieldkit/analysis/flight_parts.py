@@ -19,6 +19,7 @@ from fieldkit.analysis.height_lag import MAX_HEIGHT_GAP
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.notes import (
     AFTER_END_NOTE,
+    DIVES_NOTE,
     LOST_IN_BOOST,
     NO_APOGEE,
     NO_BOOST,
@@ -47,6 +48,8 @@ _BLIND_PART = 0.75
 _FELT_SCALE_SD, _FELT_ZERO_SD = 0.045, 0.15
 """Error of a felt speed relative to that of heights in standard air, by 2% of the accelerometer's scale and 12 K of the
 air [1], and of an accelerometer's zero since the pad [m/s^2]."""
+_DIVES, _FROM_BOOST = (12.0, 5.0), ("burn_time", "avg_accel", "peak_accel", "coast_to_apogee")
+"""How far below the pad heights of a climb are off, in their noise [1] and at least [m], and what they then hide."""
 _RECEIVER_LAG, _FROM_JOLTS = 0.5, ("time_to_apogee", "coast_to_apogee", "apogee_to_eject", "duration")
 """How late the heights of a satellite receiver follow a boost or a braking by its own filter, more than smooth parts of
 a flight [s], and the times that it lengthens or shortens."""
@@ -113,6 +116,9 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     down = _down(log, apogee[0], lift, burnout, gap[1] if unseen and gap else None) if apogee else _FlightPart()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
+    if lift and burnt and log.track.is_barometric and not log.ascent.fused and _dives(log, lift.time, end):
+        figures = {name: one for name, one in figures.items() if name not in _FROM_BOOST}
+        notes = (*notes, DIVES_NOTE)
     if log.track.source == CHANNEL_TITLES["gps_altitude_msl"] and not log.ascent.fused:
         late = {name: figures[name] for name in _FROM_JOLTS if name in figures}
         figures |= {name: replace(one, sd=float(np.hypot(one.sd, _RECEIVER_LAG))) for name, one in late.items()}
@@ -137,6 +143,17 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *wrong, *impossible, *unknown),
         sighted=log.ascent.sighted.scale if log.ascent.sighted else None,
     )
+
+
+def _dives(log: FittedLog, lift: float, top: float) -> bool:
+    """Whether heights dive below the pad in the first half of a climb: in a boost the error of static ports or of
+    shocks is then larger than the climb, and does not show its length.
+
+    Derivation: ports that are off by s show h - s v²/2g, which falls while a rocket accelerates by more than g/s.
+    """
+    inside = (log.track.time > lift) & (log.track.time < (lift + top) / 2)
+    below = log.seen.pad - log.seen.calm[inside]
+    return bool(below.size and below.max() > max(_DIVES[0] * log.track.noise, _DIVES[1]))
 
 
 def _turned(ascent: Ascent) -> bool:

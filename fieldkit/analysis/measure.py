@@ -58,6 +58,9 @@ _BETWEEN_EVENTS = {
     "duration": ("liftoff", "landing"),
 }
 """Readouts that are times between two events."""
+_AT_OTHER_END, _SATURATED_SAMPLES = 0.97, 3
+"""Fraction of a range beyond which a sensor is saturated at its other end, as its zero is off, and the fewest samples
+there. [1]"""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_COUNTS = 0.2
@@ -250,6 +253,8 @@ def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> t
         again = _agreement(track, push, felt, None, full) if felt is not None else None
         if felt is not None and again is not None and again.is_consistent:
             found, seen = again, felt
+    if full is not None and _saturates_in_coast(push, full, seen):
+        return _Trust(None, notes=(CLIPPED_NOTE,), clock_only=push), seen
     if full is not None:
         return _filled(push, full, found), seen
     if found is None and unchecked(push, seen, rise):
@@ -287,6 +292,14 @@ def _ends_in_boost(push: Push, seen: Outline) -> bool:
     """Whether an accelerometer stopped while the climb was still accelerating, with thrust in its last samples."""
     last = push.felt[push.time > push.time[-1] - _LAST_FELT]
     return bool(push.time[-1] < seen.fastest - MAX_SENSOR_GAP and np.median(last) > _THRUST)
+
+
+def _saturates_in_coast(push: Push, full: Flags, seen: Outline) -> bool:
+    """Whether drag after the boost is beyond the other end of a range that thrust exceeds, so that the speed that it
+    takes is not felt either."""
+    end = float(push.felt[full].min()) if full.any() else np.inf
+    coast = push.felt[(push.time > seen.fastest) & (push.time < seen.top)]
+    return int((coast < -_AT_OTHER_END * end).sum()) >= _SATURATED_SAMPLES
 
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:

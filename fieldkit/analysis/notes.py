@@ -17,6 +17,7 @@ EARLIER_FLIGHT = (
 )
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is missing or distorted: no top speed, burn time or acceleration"
+DIVES_NOTE = "the pressure in the airframe hides the boost: no burn time or acceleration"
 STEP_NOTE = "the heights jump by {} in the boost, faster than any rocket: no top speed, burn time or acceleration"
 NO_PAD = "the log begins in flight and its heights are not above the pad: no apogee"
 CLIPPED_NOTE = f"the accelerometer was saturated in the boost: only heights are used for it; {EITHER_WAY}"

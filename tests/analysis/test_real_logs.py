@@ -9,6 +9,7 @@ import pytest
 
 from fieldkit.analysis import Recorded, measure
 from fieldkit.analysis.channels import heights
+from fieldkit.analysis.drag_and_impulse import PORTS_SD
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
@@ -174,6 +175,8 @@ def test_a_degraded_log_gives_the_same_readouts_within_their_uncertainty(name: s
     for figure in sorted(recorded.figures.keys() & worse.figures.keys()):
         one, other = recorded.figures[figure], worse.figures[figure]
         moved = 0.5 if change is drifting else 0.0  # of which the pad's own part is included in the figure
+        if figure == "coast_drag" and one.source != other.source:  # static ports are an error of the rocket
+            moved += 3 * PORTS_SD * one.value
         assert abs(one.value - other.value) < 3 * np.hypot(one.sd, other.sd) + moved, figure
     assert "apogee" in worse.figures
 
