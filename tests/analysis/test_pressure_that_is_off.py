@@ -13,10 +13,13 @@ from fieldkit.analysis.burnout import Burnout
 from fieldkit.analysis.channels import Heights, heights
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.forces import boost_event
+from fieldkit.analysis.initial_guess import lagged
+from fieldkit.analysis.notes import CLIPPED_NOTE, DIVES_NOTE
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.samples import Marks
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, standard_density
+from tests.analysis.recordings import SMALL, STEP, Logger, fly, log
 
 PAD, SOUND = 300.0, 335.0
 
@@ -168,3 +171,44 @@ def test_ports_that_are_off_do_not_hide_what_a_saturated_accelerometer_missed(st
     assert "acceleration" in speed.source
     assert speed.sd < 5.0
     assert abs(speed.value - flight[2].max()) < 2.5 * speed.sd
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.25])
+def test_an_accelerometer_shows_how_far_heights_behind_a_filter_are_late(lag: float) -> None:
+    truth = fly(replace(SMALL, delay=9.0))
+    shown = replace(truth, height=lagged(truth.height, 0.0, STEP, lag)) if lag else truth
+    heights, _ = log(shown, Logger(accelerometer=100.0), np.random.default_rng(3))
+    _, felt = log(truth, Logger(accelerometer=100.0), np.random.default_rng(3))
+    found = measure((heights, felt)).figures
+    for name in ("time_to_apogee", "coast_to_apogee", "duration"):
+        assert abs(found[name].value - truth.readouts()[name]) < 3 * found[name].sd, name
+        assert found[name].sd < 0.15, name
+
+
+def test_a_boost_that_the_pressure_hides_has_no_burn_time() -> None:
+    truth = fly(replace(SMALL, thrust=260.0, burn=0.5))
+    off = replace(truth, height=truth.height - 0.1 * truth.speed * np.abs(truth.speed) / (2 * GRAVITY))
+    assert "burn_time" in measure(log(truth, Logger(), np.random.default_rng(3))).figures
+    hidden = measure(log(off, Logger(), np.random.default_rng(3)))
+    assert not hidden.figures.keys() & {"burn_time", "avg_accel", "peak_accel"}
+    assert DIVES_NOTE in hidden.notes
+    assert hidden.figures["apogee"].value == pytest.approx(truth.height.max(), abs=3.0)
+
+
+def test_an_accelerometer_that_saturates_at_both_ends_shows_no_speed() -> None:
+    truth = fly(replace(SMALL, thrust=260.0, area=0.003))
+    heights, felt = log(truth, Logger(accelerometer=100.0), np.random.default_rng(3))
+    clipped = replace(felt, felt=np.clip(felt.felt, -3 * GRAVITY, 3 * GRAVITY))
+    found = measure((heights, clipped))
+    assert CLIPPED_NOTE in found.notes
+    assert abs(found.figures["top_speed"].value - truth.speed.max()) < 3 * found.figures["top_speed"].sd
+
+
+def test_times_by_steps_of_pressure_are_as_uncertain_as_the_steps_are_long() -> None:
+    truth = fly(SMALL)
+    fine, coarse = (
+        measure(log(truth, Logger(noise=0.2, resolution=step), np.random.default_rng(3))).figures for step in (0.1, 8.0)
+    )
+    assert coarse["time_to_apogee"].sd > 0.37
+    assert coarse["duration"].sd > fine["duration"].sd + 0.3
+    assert abs(coarse["time_to_apogee"].value - truth.apogee_time) < 3 * coarse["time_to_apogee"].sd
