@@ -105,9 +105,10 @@ class Push:
     `vertical` if it is already the vertical acceleration with gravity added, for example from an inertial speed.
     `weighs` if the channel itself includes gravity, so that its scale is visible on the pad. `full` marks the samples
     at the end of the range, to which `missed` has been added on average based on the heights; None if the range was
-    never exceeded, up to its `range_end` [m/s^2]. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the
-    ratio of the climb from heights to the climb from the accelerometer, and `scale_sd` its standard deviation; it
-    differs from 1 because of calibration, tilt, or a pressure error [1].
+    never exceeded, up to its `range_end` [m/s^2]. The resulting speed error is `missed_speed_sd`, of which
+    `missed_drag_sd` is that of drag beyond the other end of the range [m/s]. `scale` is the ratio of the climb from
+    heights to the climb from the accelerometer, and `scale_sd` its standard deviation; it differs from 1 because of
+    calibration, tilt, or a pressure error [1].
     `blur` is the delay of a filtered channel, and so about the time over which it spreads a change of thrust [s].
     """
 
@@ -120,6 +121,7 @@ class Push:
     missed: float = 0.0
     range_end: float = np.inf
     missed_speed_sd: float = 0.0
+    missed_drag_sd: float = 0.0
     scale: float = 1.0
     scale_sd: float = 0.0
     blur: float = 0.0

@@ -48,6 +48,8 @@ _BLIND_PART = 0.75
 _FELT_SCALE_SD, _FELT_ZERO_SD = 0.045, 0.15
 """Error of a felt speed relative to that of heights in standard air, by 2% of the accelerometer's scale and 12 K of the
 air [1], and of an accelerometer's zero since the pad [m/s^2]."""
+_DIVE_BEFORE = 3.0
+"""How long before the lift-off that heights show they may dive: it is then that of their return. [s]"""
 _DIVES, _FROM_BOOST = (12.0, 5.0), ("burn_time", "avg_accel", "peak_accel", "coast_to_apogee")
 """How far below the pad heights of a climb are off, in their noise [1] and at least [m], and what they then hide."""
 _RECEIVER_LAG, _FROM_JOLTS = 0.5, ("time_to_apogee", "coast_to_apogee", "apogee_to_eject", "duration")
@@ -116,8 +118,13 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     down = _down(log, apogee[0], lift, burnout, gap[1] if unseen and gap else None) if apogee else _FlightPart()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
-    if lift and burnt and log.track.is_barometric and not log.ascent.fused and _dives(log, lift.time, end):
+    dive = _dive(log, lift.time, end) if lift and log.track.is_barometric and not log.ascent.fused else None
+    if lift and dive is not None:
+        late = max(lift.time - dive, 0.0)
+        events["liftoff"] = replace(lift, sd=float(np.hypot(lift.sd, late)))
         figures = {name: one for name, one in figures.items() if name not in _FROM_BOOST}
+        since = {name: figures[name] for name in ("time_to_apogee", "duration") if name in figures}
+        figures |= {name: replace(one, sd=float(np.hypot(one.sd, late))) for name, one in since.items()}
         notes = (*notes, DIVES_NOTE)
     if log.track.source == CHANNEL_TITLES["gps_altitude_msl"] and not log.ascent.fused:
         late = {name: figures[name] for name in _FROM_JOLTS if name in figures}
@@ -145,15 +152,19 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     )
 
 
-def _dives(log: FittedLog, lift: float, top: float) -> bool:
-    """Whether heights dive below the pad in the first half of a climb: in a boost the error of static ports or of
-    shocks is then larger than the climb, and does not show its length.
+def _dive(log: FittedLog, lift: float, top: float) -> float | None:
+    """When heights begin to dive below the pad around lift-off or in the first half of a climb [s]: in a boost the
+    error of static ports or of shocks is then larger than the climb, and hides its length. None if they do not.
 
     Derivation: ports that are off by s show h - s v²/2g, which falls while a rocket accelerates by more than g/s.
     """
-    inside = (log.track.time > lift) & (log.track.time < (lift + top) / 2)
+    inside = np.flatnonzero((log.track.time > lift - _DIVE_BEFORE) & (log.track.time < (lift + top) / 2))
     below = log.seen.pad - log.seen.calm[inside]
-    return bool(below.size and below.max() > max(_DIVES[0] * log.track.noise, _DIVES[1]))
+    deep = np.flatnonzero(below > max(_DIVES[0] * log.track.noise, _DIVES[1]))
+    if not deep.size:
+        return None
+    level = np.flatnonzero(below[: deep[0]] < 2 * log.track.noise)
+    return float(log.track.time[inside[level[-1] if level.size else 0]])
 
 
 def _turned(ascent: Ascent) -> bool:
@@ -236,7 +247,7 @@ def _with_coast(speed: Figure, push: Push, ascent: Ascent, burnout: float, free:
         return speed
     lost = -float(np.trapezoid(level[inside], push.time[inside]))
     value = lost + float(np.interp(free, ascent.time, ascent.speed))
-    sd = float(np.hypot(_FELT_SCALE_SD * lost, _FELT_ZERO_SD * (free - burnout)))
+    sd = float(np.linalg.norm([_FELT_SCALE_SD * lost, _FELT_ZERO_SD * (free - burnout), push.missed_drag_sd]))
     ratio = max(1.0, abs(value - speed.value) / float(np.hypot(sd, speed.sd)))
     part = speed.sd**2 / (speed.sd**2 + sd**2)
     return replace(speed, value=speed.value + part * (value - speed.value), sd=ratio * sd * float(np.sqrt(part)))

@@ -61,6 +61,10 @@ _BETWEEN_EVENTS = {
 _AT_OTHER_END, _SATURATED_SAMPLES = 0.97, 3
 """Fraction of a range beyond which a sensor is saturated at its other end, as its zero is off, and the fewest samples
 there. [1]"""
+_DRAG_RISE = 0.5
+"""Error of a drag that is extrapolated to higher speeds, near that of sound: the part by which Cd rises there. [1]"""
+_MOST_ANGLE = 1.5
+"""Largest angle of a tangent in speeds of a coast: they are finite. [rad]"""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_COUNTS = 0.2
@@ -243,6 +247,7 @@ def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> t
     """
     if _ends_in_boost(push, seen):
         return _Trust(None, notes=(ENDS_IN_BOOST,), clock_only=push), seen
+    push = _with_drag(push, full, seen) if full is not None else push
     rise = liftoff(track, None, seen)
     found = _agreement(track, push, seen, rise, full)
     if found is None or not found.is_consistent:
@@ -253,8 +258,6 @@ def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> t
         again = _agreement(track, push, felt, None, full) if felt is not None else None
         if felt is not None and again is not None and again.is_consistent:
             found, seen = again, felt
-    if full is not None and _saturates_in_coast(push, full, seen):
-        return _Trust(None, notes=(CLIPPED_NOTE,), clock_only=push), seen
     if full is not None:
         return _filled(push, full, found), seen
     if found is None and unchecked(push, seen, rise):
@@ -294,12 +297,28 @@ def _ends_in_boost(push: Push, seen: Outline) -> bool:
     return bool(push.time[-1] < seen.fastest - MAX_SENSOR_GAP and np.median(last) > _THRUST)
 
 
-def _saturates_in_coast(push: Push, full: Flags, seen: Outline) -> bool:
-    """Whether drag after the boost is beyond the other end of a range that thrust exceeds, so that the speed that it
-    takes is not felt either."""
+def _with_drag(push: Push, full: Flags, seen: Outline) -> Push:
+    """An accelerometer whose other end of the range drag exceeds after the boost, with that drag.
+
+    Derivation: at the end of the saturation drag is the range r, and the speed v is what the rest of the coast takes.
+    Drag k u² with k = r/v² slows a speed u by k u² + g, which before was u = sqrt(g/k) tan(atan(v sqrt(k/g)) + s
+    sqrt(g k)) a time s earlier.
+    """
     end = float(push.felt[full].min()) if full.any() else np.inf
-    coast = push.felt[(push.time > seen.fastest) & (push.time < seen.top)]
-    return int((coast < -_AT_OTHER_END * end).sum()) >= _SATURATED_SAMPLES
+    coast = (push.time > seen.fastest) & (push.time < seen.top)
+    low = np.flatnonzero(coast & (push.felt < -_AT_OTHER_END * end))
+    if low.size < _SATURATED_SAMPLES:
+        return push
+    after = (push.time >= push.time[low[-1]]) & (push.time < seen.top)
+    speed = float(np.trapezoid(GRAVITY - push.felt[after], push.time[after]))
+    if speed <= 0:
+        return push
+    drag = end / speed**2
+    earlier = (push.time[low[-1]] - push.time[low]) * np.sqrt(GRAVITY * drag)
+    angle = np.minimum(np.arctan(speed * np.sqrt(drag / GRAVITY)) + earlier, _MOST_ANGLE)
+    felt = push.felt.copy()
+    felt[low] = np.minimum(-GRAVITY * np.tan(angle) ** 2, felt[low])
+    return replace(push, felt=felt)
 
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
@@ -309,8 +328,18 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     felt = push.felt + found.missed * shape_of_missed(push, full, found.missed, found.decrease)
     lasts = float(full.sum()) * median_step(push.time)
     note = FILLED_NOTE.format(lasts, found.missed / GRAVITY)
-    ends, unsure = float(push.felt[full].min()), found.missed_sd * lasts
-    filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=unsure, range_end=ends)
+    ends = float(push.felt[full].min())
+    beyond = float(np.maximum(-push.felt - ends, 0.0).sum()) * median_step(push.time)
+    unsure = float(np.hypot(found.missed_sd * lasts, _DRAG_RISE * beyond))
+    filled = replace(
+        push,
+        felt=felt,
+        full=full,
+        missed=found.missed,
+        missed_speed_sd=unsure,
+        missed_drag_sd=_DRAG_RISE * beyond,
+        range_end=ends,
+    )
     return _Trust(filled, notes=(note,))
 
 

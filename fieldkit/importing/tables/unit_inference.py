@@ -305,9 +305,23 @@ def height_units_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: s
     its whole duration can be a coast's; the stated one otherwise. A charge before apogee stops a rocket faster, but
     does not shorten its climb before. A log that ends in the climb does not show how long it lasts. Empty if it is no
     coast in any unit."""
-    if stated and not (_comes_down(raw["altitude"]) and _is_no_coast(raw, {"altitude": stated, "time": "s"})):
+    shows = _comes_down(raw["altitude"]) and not _misses_the_top(raw)
+    if stated and not (shows and _is_no_coast(raw, {"altitude": stated, "time": "s"})):
         return (stated,)
     return tuple(unit for unit in _HEIGHT_UNITS if unit != stated and _is_coast(raw, unit))
+
+
+def _misses_the_top(raw: Mapping[str, Float[Array, "time"]]) -> bool:
+    """Whether samples are missing beside the highest one, with times in s: the end of the climb may be among them."""
+    raw = _with_heights(raw)
+    if not raw["altitude"].size:
+        return True
+    top = int(np.argmax(raw["altitude"]))
+    return float(np.diff(raw["time"][max(top - 1, 0) : top + 2]).max(initial=0.0)) > _LONG_GAP
+
+
+_LONG_GAP = 1.5
+"""Longest time between samples that show the end of a climb. [s]"""
 
 
 def _comes_down(height: Float[Array, "time"]) -> bool:
