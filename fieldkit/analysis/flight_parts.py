@@ -120,11 +120,11 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     figures = {**boost.figures, **top.figures, **down.figures}
     dive = _dive(log, lift.time, end) if lift and log.track.is_barometric and not log.ascent.fused else None
     if lift and dive is not None:
-        late = max(lift.time - dive, 0.0)
-        events["liftoff"] = replace(lift, sd=float(np.hypot(lift.sd, late)))
+        hidden = max(lift.time - dive, 0.0)
+        events["liftoff"] = replace(lift, sd=float(np.hypot(lift.sd, hidden)))
         figures = {name: one for name, one in figures.items() if name not in _FROM_BOOST}
         since = {name: figures[name] for name in ("time_to_apogee", "duration") if name in figures}
-        figures |= {name: replace(one, sd=float(np.hypot(one.sd, late))) for name, one in since.items()}
+        figures |= {name: replace(one, sd=float(np.hypot(one.sd, hidden))) for name, one in since.items()}
         notes = (*notes, DIVES_NOTE)
     if log.track.source == CHANNEL_TITLES["gps_altitude_msl"] and not log.ascent.fused:
         late = {name: figures[name] for name in _FROM_JOLTS if name in figures}
