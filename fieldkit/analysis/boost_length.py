@@ -14,7 +14,7 @@ from fieldkit.shapes import Array, Float
 
 SHORTEST_BOOST = 0.15
 """Duration of the shortest boosts. [s]"""
-_WITHIN = 0.9545
+_TWO_SD_PART = 0.9545
 """Part of a normal distribution within two standard deviations. [1]"""
 _MIN_BOOST_SAMPLES = 2.0
 """Number of samples in a boost below which they do not show its length. [1]"""
@@ -47,6 +47,6 @@ def mean_acceleration(
     away = np.abs(speed / lasts - value).ravel()
     order = np.argsort(away)
     within = np.cumsum(likely.ravel()[order]) / likely.sum()
-    by_burn = float(away[order][np.searchsorted(within, _WITHIN)]) / 2
+    by_burn = float(away[order][np.searchsorted(within, _TWO_SD_PART)]) / 2
     by_speed = float(np.sqrt((likely * (sd / lasts) ** 2).sum() / likely.sum()))
     return Figure(value, float(np.hypot(by_burn, by_speed)), burns[0].source)

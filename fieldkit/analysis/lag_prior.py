@@ -9,5 +9,8 @@ TYPICAL_LAG = 0.05
 
 
 def lag_density(lags: Float[Array, "lag"]) -> Float[Array, "lag"]:
-    """Prior density of lags, up to a constant. [1/s]"""
+    """Prior density of lags, up to a constant. [1/s]
+
+    Derivation: the Cauchy distribution, of which a lag has the positive half.
+    """
     return np.asarray(1 / (1 + (lags / TYPICAL_LAG) ** 2))
