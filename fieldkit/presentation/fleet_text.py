@@ -87,10 +87,12 @@ def fleet_lines(found: FleetLoop, system: str = "SI") -> Iterator[str]:
         if result.before and result.after:
             before, after = (shown.length(errors.mae, 1) for errors in (result.before, result.after))
             count = counted(result.before.flights, "later flight")
-            yield f"  mean miss of its {count}: {before} as forecast, {after} with the difference"
-        for other, chance in result.finding.others:
-            if other.place != result.finding.candidate.place and chance >= 0.05:
-                yield f"  or else ({percent(chance)}): {_where(other)}"
+            yield f"  mean miss of its {count}: {before} as forecast, {after} with the difference;"
+            chance = percent(1 - result.finding.probability)
+            yield f"    it was found on them too: if it is chance ({chance}), so is the gain"
+        for other, probability in result.finding.others:
+            if other.place != result.finding.candidate.place and probability >= 0.05:
+                yield f"  or else ({percent(probability)}): {_where(other)}"
     if found.rivals:
         yield ""
         yield "  mean miss of simple rules on the same flights:"
