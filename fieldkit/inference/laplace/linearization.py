@@ -74,12 +74,12 @@ def _tilts(model: Model) -> Float[Array, "2 flight"]:
 
 def tangents(
     model: Model,
-    lanes: Sequence[tuple[tuple[int, ...], Float[Array, "term"]]],
+    lanes: Sequence[tuple[tuple[int, ...], Float[Array, "_"]]],
     angle_slope: Float[Array, "flight readout"],
 ) -> list[Tangent]:
     """Values and derivatives of several lanes, each at its own point, from one batch of simulated flights. [1] or [s]
 
-    A lane has the numbers of its terms and their values, in the units of the terms; `angle_slope` is from
+    A lane has the numbers of its own terms and their values, in the units of the terms; `angle_slope` is from
     `launch_angle_slope`. Terms that act on the same property share a column, scaled by their weights on each flight:
     drag of a rocket and drag of one of its configurations differ only in the flights they act on. The bias of a reading
     needs no simulation. Raises ImpossibleFlight for a flight without a dry mass.
