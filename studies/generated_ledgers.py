@@ -50,7 +50,7 @@ SAME_DAY = 0.4
 """Fraction of flights on the same day as the previous one. [1]"""
 NEAREST_MOTORS = 12
 """Number of motors with similar thrust from which a rocket's other motors are drawn."""
-FINE = 400
+SCALE_VALUES = 400
 """Number of values from which a scale is drawn. [1]"""
 TRIES = 50
 """Maximum number of redraws of a rocket that does not leave the pad."""
@@ -119,7 +119,11 @@ def ledger(rng: np.random.Generator, recipes: Sequence[LedgerRecipe], hyperprior
 
 def drawn_scale(rng: np.random.Generator, scale: Scale) -> Scale:
     """One value of a scale from its prior; of documents from the values over which a fit sums."""
-    fine = scale.refined() if scale.range[0] == scale.range[1] else replace(scale, points=FINE).between(*scale.range)
+    fine = (
+        scale.refined()
+        if scale.range[0] == scale.range[1]
+        else replace(scale, points=SCALE_VALUES).between(*scale.range)
+    )
     chance = np.exp(fine.log_prior - np.logaddexp.reduce(fine.log_prior))
     return replace(scale, grid=(float(rng.choice(fine.values, p=chance)),), step=0.0)
 

@@ -131,11 +131,14 @@ def _prior(lags: tuple[float, ...]) -> Float[Array, "lag"]:
 
 
 def widened_by_unseen_lag(found: Recorded) -> Recorded:
-    """Results from heights whose lag is unknown: apogee and landing may be late, and the apogee low."""
+    """Results from heights whose lag is unknown: apogee and landing may be late, and the apogee low. A coast may be
+    long if another sensor shows the burnout; one seen in the heights is as late as the apogee."""
     lag, prior = np.array(_USUAL_LAGS), _prior(_USUAL_LAGS)
     late, low = float(np.sqrt(prior @ lag**2)), GRAVITY / 2 * float(np.sqrt(prior @ lag**4))
     figures, events = dict(found.figures), dict(found.events)
-    times = ("time_to_apogee", "apogee_to_eject", "duration")
+    times = ["time_to_apogee", "apogee_to_eject", "duration"]
+    if "coast_to_apogee" in figures and "apogee" in events:
+        times += ["coast_to_apogee"] * (figures["coast_to_apogee"].source != events["apogee"].source)
     for name, error in {"apogee": low, **dict.fromkeys(times, late)}.items():
         if name in figures:
             figures[name] = replace(figures[name], sd=float(np.hypot(figures[name].sd, error)))

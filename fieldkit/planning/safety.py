@@ -280,9 +280,9 @@ def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     if value is not None and cold.value <= value <= hot.value:
         return SafetyCheck("motor temperature", "ok", f"{figure(value, 'c')}; {between}", hot.source)
     if value is not None and value > hot.value:
-        leans = "a hotter one is stronger, which forecasts leave out: apogees are higher"
+        error = "a hotter one is stronger, which forecasts leave out: apogees are higher"
     else:
-        leans = "a colder one is weaker, which forecasts leave out: apogees are lower"
+        error = "a colder one is weaker, which forecasts leave out: apogees are lower"
     shown = "not given" if value is None else figure(value, "c")
     verdict: Verdict = "unknown" if value is None else "caution"
-    return SafetyCheck("motor temperature", verdict, f"{shown}; {between}; {leans}, {PER_IMPULSE}", hot.source)
+    return SafetyCheck("motor temperature", verdict, f"{shown}; {between}; {error}, {PER_IMPULSE}", hot.source)

@@ -407,4 +407,5 @@ def test_a_flash_log_and_its_export_give_the_same_figures(name: str) -> None:
         if other is None or own is None:  # rounding in the export decides whether it is known at all
             assert figure.sd > 0.95 * MAX_RELATIVE_SD * figure.value, readout
             continue
-        assert other.value == pytest.approx(figure.value, abs=max(0.5 * figure.sd, 0.01)), readout
+        # and whether a lag of the heights shows
+        assert other.value == pytest.approx(figure.value, abs=max(figure.sd, 0.01)), readout

@@ -210,7 +210,7 @@ def _only_a_unit(head: Heading) -> str:
     first, rest = next(iter(head.words), ""), head.words[1:]
     if len(whole := "".join(head.words)) > 2 and unit_named("pressure", whole):
         return "pressure"
-    if not rest and len(first) > 2 and first != "min" and unit_named("time", first):
+    if not rest and len(first) > 2 and first not in ("min", "hour") and unit_named("time", first):  # `hour` of a day
         return "time"
     is_height = plain(first) in ("m", "ft") and len(first) > 1
     return "altitude" if is_height and rest in ((), ("agl",)) else ""

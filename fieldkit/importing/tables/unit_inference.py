@@ -11,6 +11,7 @@ from itertools import product
 
 import numpy as np
 
+from fieldkit.integrals import running_integral
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS
 
@@ -237,8 +238,13 @@ def _ratio_is_one(one: Float[Array, "time"], other: Float[Array, "time"]) -> boo
     return len(ratios) >= 5 and 0.8 < float(np.median(ratios)) < 1.25
 
 
+_OFF_PATH = 0.25
+"""Largest median difference of heights from the integrated speed, as a fraction of the climb: heights of a sensor that
+lost its power jump. [1]"""
+
+
 def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
-    """Whether the speed, integrated up to apogee, gives the height."""
+    """Whether the speed, integrated up to apogee, gives the height, at the top and on the way."""
     if "speed" not in raw or "altitude" not in raw:
         return False
     raw = _with_heights(raw)
@@ -249,9 +255,9 @@ def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str
     whole = np.isfinite(speed) & np.isfinite(height) & np.isfinite(time)
     if whole.sum() < 8:
         return False
-    summed = np.trapezoid(speed[whole], time[whole])
-    rise = height[whole][-1] - height[whole][0]
-    return bool(rise > 0 and 0.8 < summed / rise < 1.25)
+    climbed, path = height[whole] - height[whole][0], running_integral(speed[whole], time[whole])
+    rise = climbed[-1]
+    return bool(rise > 0 and 0.8 < path[-1] / rise < 1.25 and np.median(np.abs(path - climbed)) < _OFF_PATH * rise)
 
 
 def _coast_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
