@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.channels import Heights, Push, lag_density
 from fieldkit.analysis.initial_guess import THRUST_DECREASE, lagged, levelled
-from fieldkit.analysis.lag_prior import lag_density
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import mad_sd, median_step

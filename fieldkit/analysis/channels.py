@@ -62,6 +62,18 @@ _WINDOW, _MIN_SIZE, _MAX_SIZE = 0.5, 5, 61
 """Length of the running median that reveals spikes [s], and its limits in samples. [1]"""
 
 
+TYPICAL_LAG = 0.05
+"""Scale of the half-Cauchy prior of a lag: half of all loggers are below it, one in six has more than 0.2 s. [s]"""
+
+
+def lag_density(lags: Float[Array, "lag"]) -> Float[Array, "lag"]:
+    """Prior density of the lags of barometers, up to a constant. [1/s]
+
+    Derivation: the Cauchy distribution, of which a lag has the positive half.
+    """
+    return np.asarray(1 / (1 + (lags / TYPICAL_LAG) ** 2))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Heights:
     """Clean heights on one clock. `zeroed` if the logger itself subtracted the pad's height, and does not end at rest

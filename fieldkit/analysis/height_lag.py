@@ -24,8 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.boost_length import burn_time, mean_acceleration
-from fieldkit.analysis.channels import Heights
-from fieldkit.analysis.lag_prior import TYPICAL_LAG
+from fieldkit.analysis.channels import TYPICAL_LAG, Heights
 from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import known_well, possible
