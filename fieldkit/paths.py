@@ -22,6 +22,7 @@ DataFile = Literal[
     "ledger.db",
     "limits.toml",
     "mappings.json",
+    "measured",
     "motors",
     "rules",
     "seasons",

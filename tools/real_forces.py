@@ -24,7 +24,7 @@ from fieldkit.importing.read import read_recordings
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.physics.history import history_of
 from fieldkit.selection.drag_steps import LoggedDrag, drag_steps
-from fieldkit.selection.logged_forces import DRAG_STEP, FlightLog
+from fieldkit.selection.logged_forces import DRAG_STEP, FlightLog, flight_log
 from fieldkit.selection.prior import log_prior_odds
 from tools.drags import FELT
 from tools.markdown import prose, table
@@ -125,7 +125,7 @@ def brakes(folder: Path) -> Iterator[str]:
         mass = MASSES[f"{month}_{day}"]
         flight = Flight(path.stem, "contest", "A", "AeroTech F42T-8", dry_mass=mass, diameter=0.0556, date_time=when)
         flights.append(flight.with_changes(**fields))
-        logs[path.stem] = FlightLog(measured, drag_profile(reading.clocks, measured))
+        logs[path.stem] = flight_log(reading.clocks, measured)
     yield from ("", "## Flights with air brakes", "")
     yield from section(flights, logs)
 

@@ -4,14 +4,14 @@ Drag comes from `fieldkit.analysis.force_profile`, thrust from Newton's second l
 mass, plus the drag of the rocket at the measured speed, over the certified thrust over mass of that moment.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis import Recorded
-from fieldkit.analysis.force_profile import DragProfile
-from fieldkit.flight import Flight
+from fieldkit.analysis import Forces, Recorded
+from fieldkit.analysis.force_profile import DragProfile, drag_profile
+from fieldkit.flight import Flight, Series
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Motor
@@ -43,10 +43,18 @@ _LEAST_EXPOSURE = 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightLog:
-    """What the log of a flight shows: measurements, and drag along its coast if it shows that."""
+    """What the log of a flight shows: forces in the climb, the standard deviation of its lift-off [s], and drag along
+    its coast; None for what it does not show."""
 
-    recorded: Recorded
+    forces: Forces | None
+    liftoff_sd: float | None
     drag: DragProfile | None
+
+
+def flight_log(clocks: Sequence[Series], recorded: Recorded) -> FlightLog:
+    """What samples that were measured as `recorded` show."""
+    lift = recorded.events.get("liftoff")
+    return FlightLog(recorded.forces, None if lift is None else lift.sd, drag_profile(clocks, recorded))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,14 +94,14 @@ def logged_forces(model: Model, logs: Mapping[str, FlightLog | str]) -> LoggedFo
         mass = flight.dry_mass + found.motor.casing_mass
         unit = 2 * mass * log.drag.reference / float(rocket.air.density)
         shown.append(LoggedDrag(flight.flight_id, log.drag, unit, model.hyperprior.sd("drag", "flight")))
-        setups[flight.flight_id] = rocket, log.recorded
+        setups[flight.flight_id] = rocket, log
     steps = drag_steps(shown, log_prior_odds([DRAG_STEP]))
     if steps is None:
         return LoggedForces({}, {}, None, silent)
     thrust = {
         name: profile
-        for name, (rocket, measured) in setups.items()
-        if (profile := thrust_profile(measured, replace(rocket, drag_area=steps.own))) is not None
+        for name, (rocket, log) in setups.items()
+        if (profile := thrust_profile(log, replace(rocket, drag_area=steps.own))) is not None
     }
     return LoggedForces({one.flight_id: one for one in steps.flights}, thrust, steps, silent, tuple(shown))
 
@@ -107,14 +115,14 @@ def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
     return RocketInputs(motor, flight.dry_mass, drag_area, air, rail)
 
 
-def thrust_profile(measured: Recorded, rocket: RocketInputs) -> ThrustProfile | None:
+def thrust_profile(log: FlightLog, rocket: RocketInputs) -> ThrustProfile | None:
     """Thrust along a burn relative to the certified curve; None if the log does not resolve it.
 
     An uncertain time of lift-off moves the curve: its slope times that is part of the error.
     """
-    if measured.forces is None or "liftoff" not in measured.events:
+    if log.forces is None or log.liftoff_sd is None:
         return None
-    beside = beside_model(track_of(measured.forces), rocket)
+    beside = beside_model(track_of(log.forces), rocket)
     track, motor = beside.track, rocket.motor
     full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass
     least = _LEAST_THRUST * motor.total_impulse / motor.thrust_end / full
@@ -127,7 +135,7 @@ def thrust_profile(measured: Recorded, rocket: RocketInputs) -> ThrustProfile | 
     for part in np.array_split(rows, _THRUST_POINTS):
         thrust, drag = beside.thrust[part].mean(), beside.drag[part].mean()
         net = track.push[part].mean()
-        late = measured.events["liftoff"].sd * np.abs(beside.steepness[part]).mean()
+        late = log.liftoff_sd * np.abs(beside.steepness[part]).mean()
         sd = np.linalg.norm([track.push_sd[part].mean(), _GAIN_SD * net, _DRAG_SD * drag, late])
         points.append((track.time_from_liftoff[part].mean(), (net + drag) / thrust, sd / thrust))
     kept = [point for point in points if point[2] < _LARGEST_THRUST_SD]

@@ -1,7 +1,4 @@
-"""Closing the loop on a ledger: a rocket's flights diagnosed, and the result saved as a version of its model.
-
-The logs stored with a rocket's flights, read again for the forces in the climb.
-"""
+"""Closing the loop on a ledger: a rocket's flights diagnosed, and the result saved as a version of its model."""
 
 import hashlib
 import json
@@ -9,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
-from fieldkit.analysis.force_profile import drag_profile
-from fieldkit.errors import LedgerError, NoFlights, UnusableLedger
-from fieldkit.flight import Flight
+from fieldkit.errors import NoFlights
 from fieldkit.forecast.evaluation.rivals import rival_scores
 from fieldkit.forecast.one_offs import beside_others
 from fieldkit.forecast.predict import Fits
@@ -24,35 +19,12 @@ from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.logged_forces import FlightLog, logged_forces
+from fieldkit.selection.logged_forces import logged_forces
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings, next_flight
+from fieldkit.services.flight_logs import flight_logs
 from fieldkit.services.forecasts import accepted_average, assumed_of, flown
 from fieldkit.services.plausible_flights import exclusions
-from fieldkit.services.replay import FlightRecordings
-
-
-def recorded_logs(
-    ledger: Ledger, flights: Sequence[Flight], on_progress: ReportProgress = no_op
-) -> dict[str, FlightLog | str]:
-    """What the log of each flight that has one shows, by flight id, or the reason it cannot be read."""
-    logged = [flight for flight in flights if flight.has_log]
-    found: dict[str, FlightLog | str] = {}
-    recordings = FlightRecordings(ledger)
-    for number, (flight, id) in enumerate(zip(logged, ledger.ids(logged), strict=True)):
-        on_progress(f"the log of {id}", number / len(logged))
-        try:
-            recording = recordings.of(id)
-        except UnusableLedger:
-            raise
-        except LedgerError as error:
-            found[flight.flight_id] = str(error)
-            continue
-        if recording is not None and recording.reading is not None and recording.kind != "simulation":
-            drag = drag_profile(recording.reading.clocks, recording.recorded)
-            found[flight.flight_id] = FlightLog(recording.recorded, drag)
-    return found
-
 
 SAME_PROBABILITY = 0.01
 """Two averages are the same if their probabilities differ by less than this. [1]"""
@@ -85,7 +57,7 @@ def close_loop(
     history = history.using(used_in_fit)
     model = rocket_model(history)
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
-    forces = logged_forces(model, recorded_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
+    forces = logged_forces(model, flight_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
     diagnosis = diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, forces)
     if accept:
         adopt(ledger, rocket, diagnosis)

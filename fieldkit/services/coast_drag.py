@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.analysis.force_profile import DragLikelihood, DragProfile, drag_profile
+from fieldkit.analysis.force_profile import DragLikelihood, DragProfile
 from fieldkit.ledger import Ledger
-from fieldkit.services.replay import recording_of
+from fieldkit.services.flight_logs import flight_log
 from fieldkit.shapes import Array, Float
 
 CHANGE_SD, CHANGE_TIME = 1.0, 0.5
@@ -28,11 +28,8 @@ class CoastDrag:
 
 def coast_drag(ledger: Ledger, id: str) -> CoastDrag | None:
     """Drag in the coast of a flight of the ledger; None without a log that shows it. Raises LedgerError."""
-    found = recording_of(ledger, id)
-    if found is None or found.reading is None or found.kind == "simulation":
-        return None
-    profile = drag_profile(found.reading.clocks, found.recorded)
-    return None if profile is None else against_time(profile)
+    log = flight_log(ledger, id)
+    return None if log is None or log.drag is None else against_time(log.drag)
 
 
 def against_time(profile: DragProfile) -> CoastDrag:

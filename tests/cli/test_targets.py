@@ -338,6 +338,7 @@ REPLACED_WHOLE = {
     "parallel.py": "a result that only this item has",
     "cli/demo.py": "a new ledger",
     "motors/own.py": "a file that the flyer names, whatever it was before",
+    "services/flight_logs.py": "measurements of these bytes, which nobody measures differently",
     "planning/kit_file.py": "kits, within the lock of `services/kits.py`",
 }
 """The modules that replace a file of fieldkit without its lock, and which file."""
