@@ -17,7 +17,6 @@ from fieldkit.cli.planning import (
     planning,
     print_plan,
     print_safety,
-    season_rule,
     season_year,
 )
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
@@ -54,8 +53,9 @@ def finals(
 ) -> None:
     """Find the mass and parachute for each target that the finals of the American Rocketry Challenge (TARC) may
     announce."""
+    from fieldkit.planning.contest import rule_of
     from fieldkit.planning.contest_day import read_window
-    from fieldkit.planning.contest_limits import allowed, approved_motors
+    from fieldkit.planning.contest_limits import allowed
     from fieldkit.planning.finals import finals_plan
     from fieldkit.presentation.finals_text import (
         ENDS_NOTE,
@@ -76,27 +76,25 @@ def finals(
         force = settled(card, force)
     least = typed("--lightest", lightest, "mass", "g") if lightest else None
     long = length("--rocket-length", rocket_length, "mm")
-    with planning(context, given) as plan:
-        found = plan.motor()
-        rule = season_rule(season_year(season)).announced(None, announced)
+    with planning(context, given) as planned:
+        plan = planned.plan()
+        rule = rule_of(season_year(season)).announced(None, announced)
         if between is not None:
             rule = replace(rule, finals_range=(between[0] * FOOT, between[1] * FOOT), finals_never=None)
-        approved = approved_motors(rule.year, data_file("seasons"))
 
         def checks(one: "Prediction", area: float) -> "list[SafetyCheck]":
-            return [*plan.safety(one, area), *allowed(rule, one.plan, found, long, approved)]
+            return [*planned.safety(one, area), *allowed(rule, one.plan, one.found, long)]
 
-        one = finals_plan(plan.rocket, plan.flight, found, rule, checks, least)
+        one = finals_plan(plan, rule, checks, least)
     chosen, fall, prediction = system(), one.flown.fall, one.heaviest
     if card is not None:
-        page = finals_card_of(one, plan.flight, found, rule, card.suffix.lower(), chosen)
-        files.write(card, page, force=force)
+        files.write(card, finals_card_of(one, card.suffix.lower(), chosen), force=force)
         complain(f"Wrote the card to {card}")
     if json:
         document = {
             "season": rule.year,
-            "motor": found.motor.designation,
-            "finals": finals_document(one.table, plan.flight, found, fall),
+            "motor": plan.found.motor.designation,
+            "finals": finals_document(one),
         }
         document |= {"flights": prediction.rests_on, "timed_flights": fall.flights}
         print_json(document | about_plan(prediction, one.lines))
@@ -104,11 +102,10 @@ def finals(
     say_wrapped(ENDS_NOTE)
     print_safety(prediction.plan, one.lines, plan.rocket.known)
     say()
-    heading = finals_heading(plan.flight, found, rule, fall, chosen)
-    for line in (*FINALS_NOTES, *finals_notes(one, rule), *heading):
+    for line in (*FINALS_NOTES, *finals_notes(one), *finals_heading(one, chosen)):
         say_wrapped(line)
     headers = finals_headers(fall, chosen)
-    print_table(headers, finals_rows(one.table, plan.flight, found, fall, chosen), numbers=headers)
+    print_table(headers, finals_rows(one, chosen), numbers=headers)
 
 
 takes_plan(finals)
@@ -136,10 +133,10 @@ def contest(
 ) -> None:
     """Score flights by a season of the American Rocketry Challenge (TARC); with --motor, also forecast the points of a
     plan."""
-    from fieldkit.planning.contest import copy_season, declared_score, score
+    from fieldkit.planning.contest import copy_season, declared_score, rule_of, score
     from fieldkit.planning.contest_day import read_declared, read_window
     from fieldkit.planning.contest_flight import judged_duration
-    from fieldkit.planning.contest_limits import allowed, approved_motors
+    from fieldkit.planning.contest_limits import allowed
     from fieldkit.planning.outlook import outlook
     from fieldkit.presentation.planning_text import outlook_in_words
 
@@ -151,19 +148,17 @@ def contest(
     announced = length("--target", target), read_window(window) if window else None
     area = _area(parachute, reef)
     ahead, lines = None, []
-    with planning(context, given) as plan:
-        own_motor = plan.motor() if plan.flight.motor else None
-        last = None if own_motor else plan.ledger.latest(plan.flight.rocket)
+    with planning(context, given) as planned:
+        ledger, rocket = planned.ledger, planned.flight.rocket
+        plan = planned.plan() if planned.flight.motor else None
+        last = None if plan else ledger.latest(rocket)
         year = season_year(season, last.date_time if last is not None else None)
-        rule = season_rule(year).announced(*announced)
-        scored = score(rule, plan.ledger.flights(plan.flight.rocket))
-        if own_motor is not None:
-            ahead = outlook(rule, plan.rocket, plan.flight, own_motor, area)
-            prediction = ahead.forecast
-            approved = approved_motors(rule.year, data_file("seasons"))
-            lines = plan.safety(prediction, area) + allowed(
-                rule, prediction.plan, prediction.found, length("--rocket-length", rocket_length, "mm"), approved
-            )
+        rule = rule_of(year).announced(*announced)
+        scored = score(rule, ledger.flights(rocket))
+        if plan is not None:
+            ahead = outlook(rule, plan, area)
+            long = length("--rocket-length", rocket_length, "mm")
+            lines = planned.safety(ahead.forecast, area) + allowed(rule, plan.flight, plan.found, long)
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None
     if json:
@@ -191,7 +186,7 @@ def contest(
         )
         say_wrapped(f"  score     {total:.2f} points, the best {rule.best} of {', '.join(names)}{without}", " " * 10)
     if ahead is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.known)
+        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, planned.rocket.known)
 
 
 takes_plan(contest)

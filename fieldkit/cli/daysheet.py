@@ -60,7 +60,7 @@ def daysheet(
     if flights is not None:
         check_given_with_table(given, (*OF_THE_FIELD, *OF_THE_DAY))
     with plans_of_day(context, flights, given) as plans:
-        planned = [planned_flight(one.rocket, one.flight, one.motor(), one.site, one.limits) for one in plans]
+        planned = [planned_flight(one.plan(), one.site, one.limits) for one in plans]
     heading = title or f"Day sheet, {date.today().isoformat()}"
     files.write(out, day_sheet(heading, plans[0].site, planned, out.suffix.lower(), system()), force=force)
     complain(f"Wrote the day sheet of {counted(len(planned), 'flight')} to {out}")

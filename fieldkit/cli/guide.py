@@ -11,7 +11,7 @@ import typer
 
 from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
-from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
+from fieldkit.cli.planning import PlanContext, planning, print_conditions
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.errors import NoFlights, UnknownMotor, of_rocket
 from fieldkit.messages import fine, message
@@ -23,6 +23,7 @@ from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
+    from fieldkit.planning.contest import Season
     from fieldkit.planning.motor_advice import MotorAdvice
     from fieldkit.planning.motor_guide import MotorChoice, MotorOrder, Wanted
 
@@ -50,6 +51,7 @@ def print_guide(
 ) -> None:
     """Print the motor guide of a rocket in the order of the app's Fly page, and with a season the motor with the fewest
     points; with `quick`, only quick forecasts. Raises UnknownMotor if no motor fits."""
+    from fieldkit.planning.contest import rule_of
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_guide import LEAST_THRUST, guide, label, lifts, motor_order, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
@@ -79,11 +81,11 @@ def print_guide(
             print_quick_guide(plan, wanted, order, strong, names, json=json)
             return
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
-    advice, approved = None, None
-    if season is not None:
-        approved = approved_motors(season, data_file("seasons"))
-        found, advice = _in_season(plan, found, season, approved)
-        order = replace(order, target=order.target or season_rule(season).target)
+    rule = None if season is None else rule_of(season)
+    advice = None
+    if rule is not None:
+        found, advice = _in_season(plan, found, rule)
+        order = replace(order, target=order.target or rule.target)
     choices = order.sorted(found)
     if json:
         _print_json(plan, wanted, order.target, choices, [motor.designation for motor in weak], advice)
@@ -94,8 +96,9 @@ def print_guide(
     _print_checks(shown, names, every=every)
     if motors_that_fit:
         _print_excluded([choice for choice in choices if not choice.fits], names)
-    if advice is not None:
-        for line in advice_in_words(advice, season_rule(season or 0), listed=approved is not None):
+    if advice is not None and rule is not None:
+        listed = approved_motors(rule.year, data_file("seasons")) is not None
+        for line in advice_in_words(advice, rule, listed=listed):
             say_wrapped(line, "    ")
     if weak:
         left_out = ", ".join(names[motor] for motor in weak)
@@ -106,16 +109,15 @@ def print_guide(
 
 
 def _in_season(
-    plan: PlanContext, found: "list[MotorChoice]", year: int, approved: frozenset[str] | None
+    plan: PlanContext, found: "list[MotorChoice]", rule: "Season"
 ) -> "tuple[list[MotorChoice], MotorAdvice]":
     """The motors checked against the limits of a season and the flyer's copy of its list, and advice by its points,
     compared with the motor last flown."""
     from fieldkit.planning.motor_advice import in_season, motor_advice
     from fieldkit.planning.motor_guide import label
 
-    rule = season_rule(year)
     last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
-    held = [in_season(one, rule, approved) for one in found]
+    held = [in_season(one, rule) for one in found]
     return held, motor_advice(held, rule, label(last) if last is not None else None)
 
 

@@ -65,12 +65,16 @@ def landing(
 
         check_card(page)
     replaces = {file: settled(file, force) for file in (kml, card, safety_sheet) if file is not None}
-    with planning(context, given) as plan:
-        if kml is not None and plan.flight.wind is None:
+    with planning(context, given) as planned:
+        if kml is not None and planned.flight.wind is None:
             raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
-        one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
+        one, site, known = (
+            planned_flight(planned.plan(), planned.site, planned.limits),
+            planned.site,
+            planned.rocket.known,
+        )
     prediction, found, down, lines = one.prediction, one.prediction.found, one.down, one.lines
-    words = list(landing_in_words(one, plan.site, system()))
+    words = list(landing_in_words(one, site, system()))
     if kml is not None and place is not None:
         name = f"{prediction.plan.rocket} on {motor_in_words(prediction.plan, found)}"
         if wind_from is None:
@@ -87,20 +91,20 @@ def landing(
     if card is not None:
         from fieldkit.presentation.report.plan_pages import range_card_of
 
-        content = range_card_of(one, plan.rocket.known, plan.site, card.suffix.lower(), system())
+        content = range_card_of(one, known, site, card.suffix.lower(), system())
         files.write(card, content, force=replaces[card])
         complain(f"Wrote the range card to {card}")
     if safety_sheet is not None:
         from fieldkit.presentation.report.plan_pages import safety_sheet_of
 
-        content = safety_sheet_of(one, plan.rocket.known, plan.site, safety_sheet.suffix.lower(), system())
+        content = safety_sheet_of(one, known, site, safety_sheet.suffix.lower(), system())
         files.write(safety_sheet, content, force=replaces[safety_sheet])
         complain(f"Wrote the range safety sheet to {safety_sheet}")
     if json:
         document: dict[str, Any] = {"rocket": prediction.plan.rocket, "motor": found.motor.designation} | one.json()
-        print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(prediction, lines))
+        print_json(document | {"on_field": _on_field(down, site.size)} | about_plan(prediction, lines))
         return
-    print_plan(words, prediction.plan, lines, plan.rocket.known)
+    print_plan(words, prediction.plan, lines, known)
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:

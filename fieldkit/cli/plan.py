@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, season_rule
+from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan
 from fieldkit.cli.screen import AsJson, print_json, system
 from fieldkit.paths import data_file
 
@@ -27,16 +27,17 @@ def delay(
     from fieldkit.planning.delay import delays, drill_of
     from fieldkit.presentation.planning_text import delays_in_words
 
-    with planning(context, given) as plan:
-        found = plan.motor()
-        fast = plan.limits["eject_speed"].value if limit is None else typed("--limit", limit, "speed", "m/s")
-        tool = drill_of(found.motor, data_file("drills.toml")) if cuts is None else None
+    with planning(context, given) as planned:
+        plan = planned.plan()
+        motor = plan.found.motor
+        fast = planned.limits["eject_speed"].value if limit is None else typed("--limit", limit, "speed", "m/s")
+        tool = drill_of(motor, data_file("drills.toml")) if cuts is None else None
         takes_off = _seconds(cuts) if cuts else tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
-        judged = delays(plan.rocket, plan.flight, found, fast, takes_off, least_left=left)
-        prediction, lines = judged.forecast, plan.safety(judged.forecast)
+        judged = delays(plan, fast, takes_off, left)
+        prediction, lines = judged.forecast, planned.safety(judged.forecast)
     if json:
-        document = {"rocket": prediction.plan.rocket, "motor": found.motor.designation, "limit_mps": fast}
+        document = {"rocket": prediction.plan.rocket, "motor": motor.designation, "limit_mps": fast}
         document |= {
             "coast_s": dict(zip(("p05", "p50", "p95"), judged.coast, strict=True)),
             "flights": prediction.rests_on,
@@ -92,10 +93,11 @@ def ballast(
     """Find the dry mass that best meets a target, and the mass to add or remove."""
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
-    from fieldkit.planning.contest_limits import allowed, approved_motors
+    from fieldkit.planning.contest import rule_of
+    from fieldkit.planning.contest_limits import allowed
     from fieldkit.presentation.planning_text import ballast_in_words
 
-    rule = None if season is None else season_rule(season).announced(length("--target", target), None)
+    rule = None if season is None else rule_of(season).announced(length("--target", target), None)
     wanted, band = rule.target if rule else length("--target", target), length("--within", within)
     if wanted is None or band is None:
         raise typer.BadParameter("found no --target, expected one such as 800ft, or a --season that has one")
@@ -104,13 +106,12 @@ def ballast(
         for option, edge in (("--lightest", lightest), ("--heaviest", heaviest))
     )
     goal = Goal(wanted, band, "points" if rule else "error" if miss else "chance", rule)
-    with planning(context, given) as plan:
-        best = solve(plan.rocket, plan.flight, plan.motor(), goal, (low, high))
-        prediction = best.advised
-        approved = approved_motors(rule.year, data_file("seasons")) if rule else None
-        long = length("--rocket-length", rocket_length, "mm")
-        lines = plan.safety(prediction)
-        lines += allowed(rule, prediction.plan, prediction.found, long, approved) if rule else []
+    with planning(context, given) as planned:
+        plan = planned.plan()
+        best = solve(plan, goal, (low, high))
+        prediction, long = best.advised, length("--rocket-length", rocket_length, "mm")
+        lines = planned.safety(prediction)
+        lines += allowed(rule, prediction.plan, prediction.found, long) if rule else []
     if json:
         document = {"rocket": prediction.plan.rocket, "motor": prediction.found.motor.designation, "target_m": wanted}
         document |= {"flights": prediction.rests_on, "model": prediction.model}

@@ -24,10 +24,9 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
-    from fieldkit.motors import Catalogue, Found
-    from fieldkit.planning.contest import Season
+    from fieldkit.motors import Catalogue
     from fieldkit.planning.descent_rate import Fall
-    from fieldkit.planning.forecasts import RocketData
+    from fieldkit.planning.forecasts import Plan, RocketData
     from fieldkit.rocket import Rocket
 
 RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
@@ -46,18 +45,20 @@ class PlanContext:
     mount: float | None = None
     """Diameter of the kit's motor mount, if a kit was named. [m]"""
 
-    def motor(self) -> "Found":
-        """The motor of the plan, by default that of the flight of the rocket entered last; notes on it are printed.
+    def plan(self) -> "Plan":
+        """The plan with its motor, by default that of the flight of the rocket entered last; notes on it are printed.
 
         Raises UnknownMotor.
         """
+        from fieldkit.planning.forecasts import Plan
+
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
             raise UnknownMotor(of_rocket(self.flight.rocket, "found no flights to take a motor from, expected --motor"))
         found = self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
         for note in found.notes:
             complain(f"note: {note}")
-        return found
+        return Plan(self.rocket, self.flight, found)
 
     def safety(self, prediction: "Prediction", area: float = 1.0) -> "list[SafetyCheck]":
         """Every safety check of a forecast, with a fraction of the parachute's area. [1]"""
@@ -154,13 +155,6 @@ def check_rules(text: str) -> None:
     from fieldkit.planning.rules import governing, known_rules, read_authorities
 
     governing(known_rules(), read_authorities(text), False, date.today())
-
-
-def season_rule(year: int) -> "Season":
-    """The rule of a season, the user's own if there is one. Raises BadValue."""
-    from fieldkit.planning.contest import season
-
-    return season(year, data_file("seasons"))
 
 
 def season_year(year: int | None, flown: datetime | None = None) -> int:

@@ -6,7 +6,7 @@ import typer
 
 from fieldkit.cli.numbers import finite, length
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import RocketLength, about_plan, planning, season_rule, season_year
+from fieldkit.cli.planning import RocketLength, about_plan, planning, season_year
 from fieldkit.cli.screen import AsJson, print_json, say, say_wrapped, system
 
 if TYPE_CHECKING:
@@ -35,21 +35,21 @@ def season(
 
     Each step states what is done, what is missing and which command does it.
     """
-    from fieldkit.planning.contest_day import read_declared
+    from fieldkit.planning.contest import rule_of
+    from fieldkit.planning.contest_day import Day, read_declared
     from fieldkit.presentation.season_text import season_commands, season_steps
     from fieldkit.services.season_guide import season_guide
 
     names = read_declared(declared or "")
-    long = length("--rocket-length", rocket_length, "mm")
-    with planning(context, given) as plan:
-        found, rule = plan.motor(), season_rule(season_year(year))
-        one = season_guide(plan.ledger, plan.rocket, plan.flight, found, rule, names, long, plan.safety)
-    ways = season_commands(plan.flight, rule.year, system())
-    steps, now = season_steps(plan.flight, found, one, names, cut, ways, system()), one.now
+    day = Day(cut=cut, declared=names, length=length("--rocket-length", rocket_length, "mm"))
+    with planning(context, given) as planned:
+        plan, rule = planned.plan(), rule_of(season_year(year))
+        one = season_guide(planned.ledger, plan, rule, day, planned.safety)
+    steps, now = season_steps(one, season_commands(plan.flight, rule.year, system()), system()), one.now
     if json:
         document: dict[str, Any] = {
             "season": rule.year,
-            "motor": found.motor.designation,
+            "motor": plan.found.motor.designation,
             "declared": [{"flight_id": name, "points": one.points.get(name)} for name in names],
             "setting": {
                 "dry_mass_g": now.row.mass * 1e3,

@@ -6,16 +6,11 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
-from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.messages import amount, message
-from fieldkit.motors import Found
-from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import fall_of
-from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.descent import common_durations
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.gain import gain_json, gain_of, is_clear
 from fieldkit.planning.quantiles import Three, named, three_of_all
 from fieldkit.shapes import Array, Float
@@ -139,9 +134,7 @@ class Ballast:
 
 
 def ballast(
-    rocket: RocketData,
-    plan: Flight,
-    found: Found,
+    plan: Plan,
     goal: Goal,
     bounds: tuple[float | None, float | None] = (None, None),
     draws: int = DRAWS,
@@ -153,27 +146,28 @@ def ballast(
     """
     from scipy.interpolate import PchipInterpolator  # takes 0.3 s to import
 
-    masses = _masses(plan, _legal(goal, found, bounds))
-    plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
-    predictions = forecasts(rocket, [(one, found) for one in plans], draws=draws)
+    current = plan.flight.dry_mass
+    if current is None:
+        raise ImpossibleFlight("no dry mass, expected --dry-mass, the rocket's mass without its motor")
+    masses = _masses(current, _legal(goal, plan, bounds))
+    predictions = plan.forecasts_at((*masses, current), draws=draws)
     apogee = np.stack([one.apogee for one in predictions], axis=-1)
     if not np.median(apogee[:, 0]) > 0:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
-    duration = _durations(rocket, predictions)
+        raise ImpossibleFlight(f"{plan.found.motor.designation}: found too little thrust for the lowest mass")
+    duration = common_durations(predictions, plan.fall)
     curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
     mass = _best(curve, masses, goal)
     if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
         # far from the target every probability is zero; there the mean miss guides the search
         mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
-    forecast, low, high = _named(rocket, plan, found, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
-    gain, error = _gain(
-        goal, (curve(mass)[0], curve(mass)[1]), (apogee[:, -1], duration[:, -1]), predictions[0].rests_on
-    )
+    forecast, low, high = _named(plan, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
+    saved = _points(goal, apogee[:, -1], duration[:, -1]) - _points(goal, *curve(mass))
+    gain, error = gain_of(saved, predictions[0].rests_on)
     return Ballast(
         mass=mass,
-        add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
+        add=mass - current,
         forecast=forecast,
-        unchanged=forecasts(rocket, [(plan, found)])[0],
+        unchanged=plan.forecast(),
         slope=float(np.median(curve(mass, 1)[0])),
         there=_result(goal, *curve(mass)),
         today=_result(goal, apogee[:, -1], duration[:, -1]),
@@ -181,15 +175,8 @@ def ballast(
         met=low <= goal.target <= high,
         gain=gain,
         gain_error=error,
-        too_heavy=_too_heavy(goal, plan, found),
+        too_heavy=_too_heavy(goal, plan),
     )
-
-
-def _gain(
-    goal: Goal, there: tuple[Figures, Figures], today: tuple[Figures, Figures], flights: int
-) -> tuple[float, float]:
-    """Mean improvement in points per flight, and its standard error with that many flights."""
-    return gain_of(_points(goal, *today) - _points(goal, *there), flights)
 
 
 def _points(goal: Goal, apogee: Figures, duration: Figures) -> Figures:
@@ -197,53 +184,35 @@ def _points(goal: Goal, apogee: Figures, duration: Figures) -> Figures:
     return np.abs(apogee - goal.target) / FOOT if goal.rule is None else goal.rule.points(apogee, duration)
 
 
-def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
+def _legal(goal: Goal, plan: Plan, bounds: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
     """Bounds of the dry mass within the season's limit for the mass on the pad. [kg]"""
     if goal.rule is None or goal.rule.mass is None:
         return bounds
-    most = goal.rule.mass - found.motor.loaded_mass
+    most = goal.rule.mass - plan.found.motor.loaded_mass
     return bounds[0], most if bounds[1] is None else min(most, bounds[1])
 
 
-def _too_heavy(goal: Goal, plan: Flight, found: Found) -> bool:
+def _too_heavy(goal: Goal, plan: Plan) -> bool:
     """Whether a plan exceeds its season's limit for the mass on the pad."""
-    most = None if goal.rule is None else goal.rule.mass
-    return most is not None and plan.dry_mass is not None and plan.dry_mass + found.motor.loaded_mass > most + 1e-6
+    most, dry_mass = None if goal.rule is None else goal.rule.mass, plan.flight.dry_mass
+    return most is not None and dry_mass is not None and dry_mass + plan.found.motor.loaded_mass > most + 1e-6
 
 
-def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
-    if plan.dry_mass is None:
-        raise ImpossibleFlight("no dry mass, expected --dry-mass, the rocket's mass without its motor")
-    low, high = (
-        edge or plan.dry_mass * ratio for edge, ratio in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
-    )
+def _masses(current: float, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
+    low, high = (edge or current * ratio for edge, ratio in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True))
     if not 0 < low < high:
         ends = f"a lowest mass of {amount(low, 'g')} is not below the highest, a mass of {amount(high, 'g')}"
         raise ImpossibleFlight(message(ends))
     return np.linspace(low, high, GRID)
 
 
-def _named(
-    rocket: RocketData, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
-) -> tuple[Prediction, float, float]:
+def _named(plan: Plan, mass: float, masses: Array, medians: Array, draws: int) -> tuple[Prediction, float, float]:
     """The flight at a mass, and the lowest and the highest median apogee of all masses [m], with common random numbers,
     which ensures that the flight lies within that range."""
     ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
-    planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
-    predictions = forecasts(rocket, planned, draws=draws)
+    predictions = plan.forecasts_at((mass, *ends), draws=draws)
     heights = [float(np.median(one.apogee)) for one in predictions]
     return predictions[0], min(heights), max(heights)
-
-
-def _durations(rocket: RocketData, predictions: list[Prediction]) -> Float[Array, "draw flight"]:
-    """Time from lift-off to landing for each mass, with common random numbers. [s]"""
-    fall = fall_of(rocket.history, predictions[-1].plan, predictions[-1].found)  # at the current mass
-    density, draws = air_of(predictions[0].plan).density, len(predictions[0].apogee)
-    speeds = [
-        fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density)
-        for one in predictions
-    ]
-    return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1)))
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:

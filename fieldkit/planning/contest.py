@@ -16,6 +16,7 @@ from fieldkit.errors import BadValue
 from fieldkit.file_lock import changing
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
+from fieldkit.paths import data_file
 from fieldkit.planning.contest_flight import judged_duration, whole_feet, why_no_score
 from fieldkit.planning.rules import MARKS
 from fieldkit.planning.toml_values import in_order, number, problem_in, whole
@@ -134,6 +135,11 @@ def _copy(file: Path) -> None:
     """Copy a shipped file of this name, unless another program has made it in the meantime."""
     if not file.exists():
         files.replace(file, (FOLDER / file.name).read_bytes())
+
+
+def rule_of(year: int) -> Season:
+    """The rules of a year, the flyer's if there is a file of them. Raises BadValue as `season`."""
+    return season(year, data_file("seasons"))
 
 
 def season(year: int, own: Path | None = None) -> Season:

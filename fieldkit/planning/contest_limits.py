@@ -10,6 +10,7 @@ from fieldkit.messages import QUANTITY, of_unit
 from fieldkit.motors import Found
 from fieldkit.motors.motor import Motor, impulse_class
 from fieldkit.motors.names import parse, squeeze
+from fieldkit.paths import data_file
 from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict
 from fieldkit.planning.classification import build_of, why_high_power
 from fieldkit.planning.contest import Season
@@ -63,15 +64,9 @@ def _is_listed(motor: Motor, line: str) -> bool:
     return letters in ("", own.letters) or letters + LOADABLE_SUFFIX == own.letters
 
 
-def allowed(
-    rule: Season,
-    plan: Flight,
-    found: Found,
-    length: float | None = None,
-    approved: frozenset[str] | None = None,
-) -> list[SafetyCheck]:
+def allowed(rule: Season, plan: Flight, found: Found, length: float | None = None) -> list[SafetyCheck]:
     """One line for each limit of a season: mass on the pad, total impulse, minimum length [m] of the rocket, rules to
-    check by eye, and the motor list. Raises BadValue for a damaged file of rules."""
+    check by eye, and the flyer's copy of the motor list. Raises BadValue for a damaged file of rules."""
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
         ("contest mass", mass, rule.mass, "at most", "g"),
@@ -93,7 +88,7 @@ def allowed(
     for name, text in rule.by_hand:
         look = f"{BY_EYE}{text}"
         lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))
-    return [*lines, motor_line(rule, found, approved)]
+    return [*lines, motor_line(rule, found, approved_motors(rule.year, data_file("seasons")))]
 
 
 def _shown(value: float, unit: str, digits: int = 4) -> str:

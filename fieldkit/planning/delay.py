@@ -13,13 +13,12 @@ import numpy as np
 
 from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.files import read_toml
-from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import MIN_DELAY_TOLERANCE
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.planning.check import speed
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.forecasts import Plan, forecasts
 from fieldkit.planning.quantiles import Three, named, three, three_of_all
 from fieldkit.planning.toml_values import number, problem_in
 from fieldkit.safe_text import printable
@@ -170,13 +169,7 @@ def sold_delays(motor: Motor) -> list[float]:
 
 
 def delays(
-    rocket: RocketData,
-    plan: Flight,
-    found: Found,
-    limit: float,
-    takes_off: Sequence[float] = (),
-    draws: int = DRAWS,
-    least_left: float = 0.0,
+    plan: Plan, limit: float, takes_off: Sequence[float] = (), least_left: float = 0.0, draws: int = DRAWS
 ) -> Delays:
     """Rank the delays for sale, and those drilled from the longest with a tool that `takes_off` certain times, with at
     least `least_left` remaining. [s]
@@ -185,15 +178,16 @@ def delays(
     deployment are included in its speed. The best has the lowest probability of being too fast, then the lowest mean
     square speed. Raises ImpossibleFlight if the motor does not lift the rocket.
     """
-    ways = list(offered(found.motor, takes_off, least_left).items())
+    motor = plan.found.motor
+    ways = list(offered(motor, takes_off, least_left).items())
     planned = [
-        (plan.with_changes(delay=delay), Found(found.motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
+        (plan.flight.with_changes(delay=delay), Found(motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
     ]
-    predictions = forecasts(rocket, planned, draws=draws)
+    predictions = forecasts(plan.rocket, planned, draws=draws)
     lifted = predictions[0].apogee > 0
     if lifted.mean() < 0.5:
         raise ImpossibleFlight(
-            f"{found.motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
+            f"{motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
         )
     coast = predictions[0].coast_time[lifted]
     rated = [
@@ -202,7 +196,7 @@ def delays(
     ]
     order = sorted(range(len(rated)), key=lambda i: (round(rated[i][1].too_fast, 2), rated[i][0]))
     ranked = tuple(rated[i][1] for i in order)
-    words = tuple(_words(coast, found, ranked))
+    words = tuple(_words(coast, motor, ranked))
     coasts = three_of_all(coast[np.isfinite(coast)])
     return Delays(coasts, ranked, words, coast, predictions[order[0] + 1] if order else predictions[0])
 
@@ -224,9 +218,9 @@ def _rated(
     return mean, Delay(delay, three(after), three(speed), float((speed > limit).mean()) + lands, lands, on_sale)
 
 
-def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -> list[str]:
+def _words(coast: Float[Array, "draw"], motor: Motor, ranked: Sequence[Delay]) -> list[str]:
     """Notes about delays that are not possible or not suitable."""
-    name, middle, motor = found.motor.designation, float(np.median(coast)), found.motor
+    name, middle = motor.designation, float(np.median(coast))
     if middle < 0:
         text = f"{name}: the rocket passes apogee {-middle:.1f} s before burnout, so a delay would have to"
         return [

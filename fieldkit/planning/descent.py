@@ -54,6 +54,19 @@ def durations(
     return np.stack(columns, axis=-1)
 
 
+def common_durations(
+    predictions: Sequence[Prediction], fall: Fall, area: float = 1.0, seed: int = 7
+) -> Float[Array, "draw flight"]:
+    """The same for forecasts of one rocket in the same air, with common random descents under a fraction of the
+    parachute's area [1]; 0 for a draw that stays on the pad. [s] Raises BadValue as `descents`."""
+    density, count = float(air_at_pads([predictions[0].plan]).density[0]), len(predictions[0].apogee)
+    speeds = [
+        fall.speeds(np.random.default_rng(seed), (count, 1), landing_mass(one.plan, one.found), density, area)
+        for one in predictions
+    ]
+    return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1)))
+
+
 def _has_delay(prediction: Prediction) -> bool:
     delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
     return delay is not None and bool(np.isfinite(delay))

@@ -6,17 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
-from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.messages import amount, message
-from fieldkit.motors import Found
-from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck, strictest
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import Fall, fall_of
-from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.descent import common_durations
+from fieldkit.planning.descent_rate import Fall
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.quantiles import Three, three, three_of_all
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
@@ -95,9 +91,12 @@ class TrialFlights:
 
 @dataclass(frozen=True, slots=True)
 class FinalsPlan:
-    """A plan for finals: its trial flights, the best mass and area for each target, and the safety checks of the
-    lightest or the heaviest of these flights, whichever is worse; `heaviest` is the forecast of the latter."""
+    """A plan for the finals of a season: its trial flights, the best mass and area for each target, and the safety
+    checks of the lightest or the heaviest of these flights, whichever is worse; `heaviest` is the forecast of the
+    latter."""
 
+    plan: Plan
+    rule: Season
     flown: TrialFlights
     table: Sequence[FinalsRow]
     lines: Sequence[SafetyCheck]
@@ -105,28 +104,22 @@ class FinalsPlan:
 
 
 def finals_plan(
-    rocket: RocketData,
-    plan: Flight,
-    found: Found,
+    plan: Plan,
     rule: Season,
     checks: Callable[[Prediction, float], Sequence[SafetyCheck]],
     lightest: float | None = None,
 ) -> FinalsPlan:
     """A plan for every target that the finals of a season may have, with masses from the `lightest` [kg]; `checks` are
     those of a forecast with a fraction of the parachute's area. Raises ImpossibleFlight and BadValue as `trials`."""
-    flown = trials(rocket, plan, found, rule, (lightest, None))
+    flown = trials(plan, rule, (lightest, None))
     table = finals_table(flown, rule, finals_targets(rule))
-    ends = end_flights(rocket, plan, found, table)
-    return FinalsPlan(flown, table, strictest(*(list(checks(one, area)) for one, area in ends)), ends[-1][0])
+    ends = end_flights(plan, table)
+    return FinalsPlan(
+        plan, rule, flown, table, strictest(*(list(checks(one, area)) for one, area in ends)), ends[-1][0]
+    )
 
 
-def trials(
-    rocket: RocketData,
-    plan: Flight,
-    found: Found,
-    rule: Season,
-    bounds: tuple[float | None, float | None] = (None, None),
-) -> TrialFlights:
+def trials(plan: Plan, rule: Season, bounds: tuple[float | None, float | None] = (None, None)) -> TrialFlights:
     """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg].
 
     Raises ImpossibleFlight for a plan without a dry mass, or if no mass within bounds lifts off; BadValue for a
@@ -134,29 +127,22 @@ def trials(
     """
     from scipy.interpolate import PchipInterpolator  # takes 0.3 s to import
 
-    if plan.dry_mass is None:
+    dry_mass, motor = plan.flight.dry_mass, plan.found.motor
+    if dry_mass is None:
         raise ImpossibleFlight("no dry mass, expected --dry-mass, the rocket's mass without its motor")
-    most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
-    low = bounds[0] or min(MIN_MASS_RATIO * plan.dry_mass, MIN_MASS_RATIO * most)
+    most = bounds[1] or (rule.mass - motor.loaded_mass if rule.mass else 1.3 * dry_mass)
+    low = bounds[0] or min(MIN_MASS_RATIO * dry_mass, MIN_MASS_RATIO * most)
     if not 0 < low < most:
         ends = f"a lowest mass of {amount(low, 'g')} is not below the highest, a mass of {amount(most, 'g')}"
         raise ImpossibleFlight(message(ends))
     flown = np.linspace(low, most, MASSES)
-    predictions = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
+    predictions, fall = plan.forecasts_at(flown, draws=DRAWS), plan.fall
     if not np.median(predictions[0].apogee) > 0:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
-    fall, density = fall_of(rocket.history, plan, found), air_of(predictions[0].plan).density
-
-    def timed(area: float) -> Float[Array, "mass draw"]:
-        speeds = [
-            fall.speeds(np.random.default_rng(7), (DRAWS, 1), landing_mass(one.plan, one.found), density, area)
-            for one in predictions
-        ]
-        return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1))).T
-
+        raise ImpossibleFlight(f"{motor.designation}: found too little thrust for the lowest mass")
+    timed = [common_durations(predictions, fall, float(area)).T for area in AREAS]
     fine = np.linspace(low, most, FINE_MASSES)
     apogee = PchipInterpolator(flown, np.stack([one.apogee for one in predictions]), axis=0)(fine)
-    duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
+    duration = np.stack([PchipInterpolator(flown, one, axis=0)(fine) for one in timed])
     return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), tuple(predictions), fall)
 
 
@@ -175,12 +161,10 @@ def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) ->
     return [flown.best(rule.announced(target, None)) for target in targets]
 
 
-def end_flights(
-    rocket: RocketData, plan: Flight, found: Found, table: Sequence[FinalsRow]
-) -> list[tuple[Prediction, float]]:
+def end_flights(plan: Plan, table: Sequence[FinalsRow]) -> list[tuple[Prediction, float]]:
     """Forecasts of the lightest and the heaviest flight of a table with their parachute areas [1]: no other one goes
     higher than the first, or leaves the rail slower than the last. Raises ImpossibleFlight as `forecasts`."""
     ordered = sorted(table, key=lambda one: one.mass)
     ends = ordered[0], ordered[-1]
-    planned = [(plan.with_changes(dry_mass=one.mass), found) for one in ends]
-    return list(zip(forecasts(rocket, planned, draws=DRAWS), (one.area for one in ends), strict=True))
+    made = plan.forecasts_at((one.mass for one in ends), draws=DRAWS)
+    return list(zip(made, (one.area for one in ends), strict=True))

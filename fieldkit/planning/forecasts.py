@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
@@ -14,6 +15,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.history import flown_and_planned
+from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.rocket import Rocket
 from fieldkit.selection.candidates import Averaged
 
@@ -57,6 +59,37 @@ class RocketData:
         if mine is None or theirs is None:
             return mine is theirs and self == other
         return mine.same_as(theirs) and replace(self, shared=None) == replace(other, shared=None)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is flown next: a rocket with what is known about it, its flight, and the motor."""
+
+    rocket: RocketData
+    flight: Flight
+    found: Found
+
+    @property
+    def fall(self) -> Fall:
+        """The descent of the flight, from those of the rocket. Errors as in `fall_of`."""
+        return fall_of(self.rocket.history, self.flight, self.found)
+
+    def with_changes(self, **changes: Any) -> "Plan":
+        """The same plan with other figures of its flight."""
+        return replace(self, flight=self.flight.with_changes(**changes))
+
+    def forecast(self, draws: int = DRAWS) -> Prediction:
+        """The forecast of the plan. Errors as in `forecasts`."""
+        return self.forecasts([self.flight], draws=draws)[0]
+
+    def forecasts(self, flights: Iterable[Flight], *, draws: int, paired: bool = True) -> list[Prediction]:
+        """Forecasts of other flights on the motor of the plan, each instead of its own, as in `forecasts`."""
+        return forecasts(self.rocket, [(one, self.found) for one in flights], draws=draws, paired=paired)
+
+    def forecasts_at(self, masses: Iterable[float], *, draws: int, paired: bool = True) -> list[Prediction]:
+        """Forecasts of the plan at several dry masses [kg], as in `forecasts`."""
+        flights = [self.flight.with_changes(dry_mass=float(mass)) for mass in masses]
+        return self.forecasts(flights, draws=draws, paired=paired)
 
 
 def forecasts(

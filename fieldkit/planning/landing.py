@@ -12,15 +12,14 @@ import numpy as np
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.recovery import DIRECTIONS, measured_sd, stability
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors import Found
 from fieldkit.physics.descent import DescentResult
 from fieldkit.physics.history import recorded_wind
 from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import descents
-from fieldkit.planning.descent_rate import Fall, fall_of
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.quantiles import Three, named, three, three_of_all
 from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Bool, Flags, Float
@@ -209,16 +208,15 @@ class RailChoice:
         return {"direction": self.direction, "angle_deg": self.angle / DEGREE, "away_m": named(self.away)}
 
 
-def rail_choices(rocket: RocketData, plan: Flight, found: Found, most: float) -> list[RailChoice]:
+def rail_choices(plan: Plan, most: float) -> list[RailChoice]:
     """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
     is not known. Raises ImpossibleFlight for a plan without a mass, BadValue as `landing`."""
-    if plan.wind is None:
+    if plan.flight.wind is None:
         return []
     ways = [("into", 0.0)]
     ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
-    plans = [plan.with_columns(rail_direction=name).with_changes(rail_angle=angle) for name, angle in ways]
-    predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
-    fall = fall_of(rocket.history, plan, found)
+    leaning = [plan.flight.with_columns(rail_direction=name).with_changes(rail_angle=angle) for name, angle in ways]
+    predictions, fall = plan.forecasts(leaning, draws=TRIED_DRAWS), plan.fall
     choices = [
         RailChoice(name, angle, three_of_all(landing(one, fall).away), one)
         for (name, angle), one in zip(ways, predictions, strict=True)
@@ -226,7 +224,7 @@ def rail_choices(rocket: RocketData, plan: Flight, found: Found, most: float) ->
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
 
 
-def wind_that_holds(rocket: RocketData, plan: Flight, found: Found, size: float) -> float:
+def wind_that_holds(plan: Plan, size: float) -> float:
     """Wind at the pad up to which 95% of landings stay on a field of this size [m] with the pad in its center: nan if
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
@@ -234,9 +232,8 @@ def wind_that_holds(rocket: RocketData, plan: Flight, found: Found, size: float)
     winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass, BadValue as
     `landing`.
     """
-    plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
-    predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
-    fall = fall_of(rocket.history, plan, found)
+    windy = [plan.flight.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
+    predictions, fall = plan.forecasts(windy, draws=TRIED_DRAWS), plan.fall
     beyond = np.array([three_of_all(landing(one, fall).away)[2] for one in predictions]) - size / 2
     off = np.flatnonzero(~(beyond <= 0))
     if not off.size:

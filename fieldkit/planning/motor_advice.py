@@ -4,13 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
-from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
 from fieldkit.planning.contest_limits import allowed
-from fieldkit.planning.descent import durations
-from fieldkit.planning.flown_descent import landing_mass
+from fieldkit.planning.descent import common_durations
 from fieldkit.planning.gain import gain_json, gain_of, is_clear
 from fieldkit.planning.motor_guide import MotorChoice, label
 from fieldkit.planning.quantiles import named, three
@@ -69,12 +65,12 @@ class MotorAdvice:
         }
 
 
-def in_season(choice: MotorChoice, rule: Season, approved: frozenset[str] | None = None) -> MotorChoice:
+def in_season(choice: MotorChoice, rule: Season) -> MotorChoice:
     """A motor held to the limits of a season and to the flyer's copy of its list of motors, if there is one.
 
     Raises BadValue for a damaged file of rules.
     """
-    lines = allowed(rule, choice.plan, choice.prediction.found, approved=approved)
+    lines = allowed(rule, choice.plan, choice.prediction.found)
     return replace(choice, beyond_season=tuple(line for line in lines if line.verdict == "unsafe"))
 
 
@@ -94,7 +90,5 @@ def motor_advice(choices: Sequence[MotorChoice], rule: Season, current: str | No
 
 
 def _points(choice: MotorChoice, rule: Season) -> Float[Array, "draw"]:
-    prediction = choice.prediction
-    mass, density = landing_mass(prediction.plan, prediction.found), air_of(prediction.plan).density
-    speeds = choice.fall.speeds(np.random.default_rng(9), (len(prediction.apogee), 1), mass, density)
-    return rule.points(prediction.apogee, np.nan_to_num(durations([prediction], choice.fall, speeds))[:, 0])
+    duration = common_durations([choice.prediction], choice.fall, seed=9)[:, 0]
+    return rule.points(choice.prediction.apogee, duration)

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import Fall, fall_of
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.gain import gain_of, is_clear
 from fieldkit.shapes import Array, Float
 
@@ -62,19 +60,17 @@ class Outlook:
         return float((rule.sums(self.points) <= cut).mean())
 
 
-def outlook(
-    rule: Season, rocket: RocketData, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS
-) -> Outlook:
+def outlook(rule: Season, plan: Plan, area: float = 1.0, draws: int = DRAWS) -> Outlook:
     """Simulate a plan as often as flights may be declared, with a fraction of the current parachute area [1].
 
     The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum
     the right uncertainty. Raises ImpossibleFlight for a plan without a mass, BadValue for a recovery device
     or rail direction that cannot be read.
     """
-    (forecast,) = forecasts(rocket, [(plan, found)], draws=draws)
-    predictions = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
-    fall, shape = fall_of(rocket.history, predictions[0].plan, found), (draws, rule.declared)
-    mass, density = landing_mass(predictions[0].plan, found), air_of(predictions[0].plan).density
+    forecast = plan.forecast(draws)
+    predictions = plan.forecasts([plan.flight] * rule.declared, draws=draws, paired=False)
+    fall, shape = plan.fall, (draws, rule.declared)
+    mass, density = landing_mass(plan.flight, plan.found), air_of(plan.flight).density
 
     def timed(area_ratio: float) -> Float[Array, "draw declared"]:
         speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, area_ratio)

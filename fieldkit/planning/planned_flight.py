@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
-from fieldkit.forecast.predict import DRAWS
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors import Found
 from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck
-from fieldkit.planning.descent_rate import Fall, fall_of
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.descent_rate import Fall
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.landing import (
     MAX_RECOMMENDED_ANGLE,
     Landing,
@@ -60,19 +57,17 @@ class PlannedFlight:
         }
 
 
-def planned_flight(rocket: RocketData, plan: Flight, found: Found, site: Site, limits: Limits) -> PlannedFlight:
-    """The complete forecast of a plan for a rocket at a site, with the draws of `predict`, so that both show the same
+def planned_flight(plan: Plan, site: Site, limits: Limits) -> PlannedFlight:
+    """The complete forecast of a plan at a site, with the draws of `predict`, so that both show the same
     figures. Raises BadValue, ImpossibleFlight.
     """
-    (prediction,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
-    fall = fall_of(rocket.history, prediction.plan, found)
+    prediction, fall, wind = plan.forecast(), plan.fall, plan.flight.wind
     down = landing(prediction, fall)
     lines = safety_lines(prediction, site, fall, limits)
-    unknown = plan.wind is None and site.size is not None
-    holds = wind_that_holds(rocket, plan, found, site.size or 0.0) if unknown else None
+    holds = wind_that_holds(plan, site.size) if wind is None and site.size is not None else None
     no_rail = _why_no_rail(down, lines)
-    rail = () if no_rail else _safe_rails(rocket, (plan, found), site, limits, lines)
-    if not no_rail and not rail and plan.wind is not None:
+    rail = () if no_rail else _safe_rails(plan, site, limits, lines)
+    if not no_rail and not rail and wind is not None:
         no_rail = f"at every angle {' and '.join(_unsafe(lines, OF_THE_PATH))} would be unsafe"
     return PlannedFlight(prediction, fall, down, tuple(lines), rail, holds, no_rail)
 
@@ -90,14 +85,11 @@ def _why_no_rail(down: Landing, lines: Sequence[SafetyCheck]) -> str:
     return f"unsafe at every angle: {', '.join(found)}" if found else ""
 
 
-def _safe_rails(
-    rocket: RocketData, planned: tuple[Flight, Found], site: Site, limits: Limits, lines: Sequence[SafetyCheck]
-) -> tuple[RailChoice, ...]:
+def _safe_rails(plan: Plan, site: Site, limits: Limits, lines: Sequence[SafetyCheck]) -> tuple[RailChoice, ...]:
     """The rail settings from best to worst, without those that are unsafe if the plan's own, judged by its safety
     lines, is."""
-    plan, found = planned
-    choices = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)
+    choices = rail_choices(plan, MAX_RECOMMENDED_ANGLE)
     if not _unsafe(lines, OF_THE_PATH):
         return tuple(choices)
-    fall = fall_of(rocket.history, plan, found)
+    fall = plan.fall
     return tuple(one for one in choices if not _unsafe(safety_lines(one.forecast, site, fall, limits), OF_THE_PATH))

@@ -15,11 +15,9 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from fieldkit.flight import Flight
-from fieldkit.motors import Found
 from fieldkit.planning.contest import Season
 from fieldkit.planning.finals import FinalsRow, TrialFlights
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.forecasts import Plan
 from fieldkit.shapes import Array, Float
 
 PRACTICE_DRAWS = 4000
@@ -81,9 +79,7 @@ def setting(flown: TrialFlights, row: FinalsRow, shared_sd: float) -> Setting:
     return Setting(row, shared_sd / abs(slope), area)
 
 
-def practice(
-    rocket: RocketData, plan: Flight, found: Found, rule: Season, flown: TrialFlights, table: Sequence[FinalsRow]
-) -> tuple[Practice, float]:
+def practice(plan: Plan, rule: Season, flown: TrialFlights, table: Sequence[FinalsRow]) -> tuple[Practice, float]:
     """The practice flights that narrow the finals most, among the masses of a table of finals, and the standard
     deviation of the log apogee without the scatter of single flights. [1]
 
@@ -91,7 +87,7 @@ def practice(
     """
     ends = sorted(row.mass for row in table)
     masses = tuple(dict.fromkeys(float(one) for one in np.linspace(ends[0], ends[-1], CANDIDATES)))
-    shared = _shared(rocket, plan, found, masses)
+    shared = _shared(plan, masses)
     near = [int(np.argmin([abs(mass - row.mass) for mass in masses])) for row in table]
 
     def of(flights: tuple[int, ...]) -> PracticePlan:
@@ -127,10 +123,9 @@ def final_scores(
     return rule.sums(every) if every.shape[1] >= rule.best else None
 
 
-def _shared(rocket: RocketData, plan: Flight, found: Found, masses: tuple[float, ...]) -> _Shared:
+def _shared(plan: Plan, masses: tuple[float, ...]) -> _Shared:
     """What flights at these dry masses [kg] have in common: each is drawn twice, with its own scatter."""
-    planned = [(plan.with_changes(dry_mass=mass), found) for mass in (*masses, *masses)]
-    made = forecasts(rocket, planned, draws=PRACTICE_DRAWS, paired=False)
+    made = plan.forecasts_at((*masses, *masses), draws=PRACTICE_DRAWS, paired=False)
     logs = np.log(np.maximum(np.stack([one.apogee for one in made]), 1.0))
     low, high = np.quantile(logs, [TRIMMED, 1 - TRIMMED], axis=1, keepdims=True)
     every, count = np.cov(np.clip(logs, low, high)), len(masses)

@@ -4,13 +4,10 @@ import datetime
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from fieldkit.flight import Flight
-from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck
-from fieldkit.planning.contest import Season
 from fieldkit.planning.descent_rate import Fall
-from fieldkit.planning.finals import FinalsPlan, FinalsRow, TrialFlights
+from fieldkit.planning.finals import FinalsPlan
 from fieldkit.planning.quantiles import named
 from fieldkit.presentation.forecast_text import motor_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
@@ -36,17 +33,15 @@ def finals_headers(fall: Fall, system: str = "SI") -> tuple[str, ...]:
     )
 
 
-def finals_rows(
-    table: Sequence[FinalsRow], plan: Flight, found: Found, fall: Fall, system: str = "SI"
-) -> list[tuple[str, ...]]:
+def finals_rows(finals: FinalsPlan, system: str = "SI") -> list[tuple[str, ...]]:
     """One row per target; the change is against the dry mass of the plan."""
-    shown = ShownUnits(system)
+    shown, plan, fall = ShownUnits(system), finals.plan, finals.flown.fall
     return [
         (
             f"{one.target / FOOT:.0f}",
             shown.mass(one.mass).split()[0],
-            _signed(one.mass - (plan.dry_mass or one.mass), shown),
-            shown.mass(one.mass + found.motor.loaded_mass).split()[0],
+            _signed(one.mass - (plan.flight.dry_mass or one.mass), shown),
+            shown.mass(one.mass + plan.found.motor.loaded_mass).split()[0],
             *(() if fall.assumed else (f"{one.area:.0%}{'*' if one.at_edge else ''}",)),
             f"{one.apogee[0] / FOOT:.0f}-{one.apogee[2] / FOOT:.0f}",
             *(
@@ -56,7 +51,7 @@ def finals_rows(
             ),
             f"{one.points:.0f}{'*' if fall.assumed and one.at_edge else ''}",
         )
-        for one in table
+        for one in finals.table
     ]
 
 
@@ -65,14 +60,15 @@ def _signed(mass: float, shown: ShownUnits) -> str:
     return ("+" if mass > 0 else "") + shown.mass(mass).split()[0]
 
 
-def finals_document(table: Sequence[FinalsRow], plan: Flight, found: Found, fall: Fall) -> list[dict[str, Any]]:
+def finals_document(finals: FinalsPlan) -> list[dict[str, Any]]:
     """The rows of the table of finals, with the unit in the key."""
+    plan, fall = finals.plan, finals.flown.fall
     return [
         {
             "target_ft": one.target / FOOT,
             "dry_mass_g": one.mass * 1e3,
-            "change_g": (one.mass - (plan.dry_mass or one.mass)) * 1e3,
-            "lift_off_mass_g": (one.mass + found.motor.loaded_mass) * 1e3,
+            "change_g": (one.mass - (plan.flight.dry_mass or one.mass)) * 1e3,
+            "lift_off_mass_g": (one.mass + plan.found.motor.loaded_mass) * 1e3,
             "parachute_area": None if fall.assumed else one.area,
             "apogee_ft": one.apogee[1] / FOOT,
             "apogee_m": named(one.apogee),
@@ -81,7 +77,7 @@ def finals_document(table: Sequence[FinalsRow], plan: Flight, found: Found, fall
             "points": one.points,
             "at_edge": one.at_edge,
         }
-        for one in table
+        for one in finals.table
     ]
 
 
@@ -92,26 +88,29 @@ def finals_lines(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Itera
         yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
 
 
-def finals_heading(plan: Flight, found: Found, rule: Season, fall: Fall, system: str = "SI") -> Iterator[str]:
+def finals_heading(finals: FinalsPlan, system: str = "SI") -> Iterator[str]:
     """Rocket, motor, season, and the day with its weather in the units of a system, above the table; and that the
     parachute is assumed, if it is."""
-    shown = ShownUnits(system)
-    name = " ".join(part for part in (plan.rocket, plan.config) if part)
+    shown, plan, rule = ShownUnits(system), finals.plan.flight, finals.rule
+    name = f"{plan.rocket or 'this rocket'} {plan.config}".rstrip()
     opens, closes = rule.window
-    yield f"{name} on {motor_in_words(plan, found)}, season {rule.year}, window {opens:g} to {closes:g} s"
+    motor = motor_in_words(plan, finals.plan.found)
+    yield f"{name} on {motor}, season {rule.year}, window {opens:g} to {closes:g} s"
     temperature = "standard" if plan.temperature is None else shown.temperature(plan.temperature)
     wind = "not given" if plan.wind is None else shown.speed(plan.wind)
     day = (plan.date_time or datetime.datetime.now()).date().isoformat()
     yield f"{day}, temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
-    if fall.assumed:
+    if finals.flown.fall.assumed:
         yield (
             "no parachute is advised, and only the altitude is scored: the descent is not measured; time a flight, or "
             "give the descent speed under it, or its diameter"
         )
 
 
-def finals_basis(flown: TrialFlights, table: Sequence[FinalsRow]) -> Iterator[str]:
-    """What the table is based on, and how much one more flight at its middle target would narrow it."""
+def finals_notes(finals: FinalsPlan) -> Iterator[str]:
+    """What the table is based on, how much one more flight at its middle target would narrow it, what the season's
+    rules say of finals, and what is checked by hand."""
+    flown, table, rule = finals.flown, finals.table, finals.rule
     prediction, fall = flown.forecast_at(table[len(table) // 2].mass), flown.fall
     yield f"based on {rests_in_words(prediction)}; descent: {descent_in_words(fall, prediction.plan)}"
     apogee = f"the apogee by {1 - prediction.narrowed(1):.0%}" if prediction.rests_on else ""
@@ -119,10 +118,6 @@ def finals_basis(flown: TrialFlights, table: Sequence[FinalsRow]) -> Iterator[st
     if narrower := " and ".join(part for part in (apogee, descent) if part):
         yield f"one more flight with a duration would narrow {narrower}"
 
-
-def finals_notes(one: FinalsPlan, rule: Season) -> Iterator[str]:
-    """What the table is based on, what the season's rules say of finals, and what is checked by hand."""
-    yield from finals_basis(one.flown, one.table)
     if rule.finals:
         yield f"finals: {rule.finals}"
     yield from (f"{name}: {text}" for name, text in rule.by_hand)

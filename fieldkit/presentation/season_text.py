@@ -8,17 +8,14 @@ from shlex import quote
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.messages import message
-from fieldkit.motors import Found
-from fieldkit.planning.check import BY_EYE, SafetyCheck
+from fieldkit.planning.check import BY_EYE
 from fieldkit.planning.contest import Season
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
-from fieldkit.planning.outlook import Outlook
-from fieldkit.planning.practice import Practice, PracticePlan, Setting
+from fieldkit.planning.practice import Practice, PracticePlan
 from fieldkit.planning.quantiles import three_of_all
 from fieldkit.presentation.forecast_text import motor_in_words
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, percent
 from fieldkit.services.season_guide import SeasonGuide
-from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT, ZERO_CELSIUS
 
 WARM_DAY = ZERO_CELSIUS + 25
@@ -51,24 +48,16 @@ def season_commands(plan: Flight, year: int, system: str = "SI") -> SeasonWays:
     )
 
 
-def season_steps(
-    plan: Flight,
-    found: Found,
-    guide: SeasonGuide,
-    declared: Sequence[str],
-    cut: float | None,
-    ways: SeasonWays,
-    system: str = "SI",
-) -> list[SeasonStep]:
+def season_steps(guide: SeasonGuide, ways: SeasonWays, system: str = "SI") -> list[SeasonStep]:
     """The steps of a season, in order, in the units of a system; heights in feet, as in the rules."""
     shown, rule = ShownUnits(system), guide.rule
     return [
         _rules(rule),
-        _limits(plan, found, guide.lines, system),
+        _limits(guide, system),
         _tests(guide.scored, rule, ways),
-        _setting(plan, found, guide.now, guide.ahead, ways, shown),
+        _setting(guide, ways, shown),
         _practice(guide.practice, shown),
-        _qualification(rule, guide.scored, declared, guide.scores, cut),
+        _qualification(guide),
         _finals(rule, ways),
     ]
 
@@ -82,12 +71,13 @@ def _rules(rule: Season) -> SeasonStep:
     return f"rules of {rule.year}", "checked" if rule.checked else "not checked", (target, *texts, rule.caveat)
 
 
-def _limits(plan: Flight, found: Found, lines: Sequence[SafetyCheck], system: str) -> SeasonStep:
+def _limits(guide: SeasonGuide, system: str) -> SeasonStep:
+    lines, plan = guide.lines, guide.plan.flight
     contest = [line for line in lines if line.name.startswith("contest ") and not line.finding.startswith(BY_EYE)]
     failed = [line for line in lines if line.failed]
     open_ones = [line for line in contest if line.verdict == "unknown"]
     state = f"{len(failed)} not ok" if failed else "ok" if not open_ones else f"{len(open_ones)} to check"
-    texts = [f"{plan.rocket} {plan.config}".strip() + f" on {motor_in_words(plan, found)}"]
+    texts = [f"{plan.rocket} {plan.config}".strip() + f" on {motor_in_words(plan, guide.plan.found)}"]
     texts += [
         in_system(message(f"{line.name}: {line.verdict}, {line.finding}"), system) for line in (*failed, *open_ones)
     ]
@@ -110,13 +100,11 @@ def _tests(scored: Sequence[tuple[Flight, float]], rule: Season, ways: SeasonWay
     return "test flights", f"{len(scored)} flown, {len(timed)} timed", tuple(texts)
 
 
-def _setting(
-    plan: Flight, found: Found, now: Setting, ahead: Outlook, ways: SeasonWays, shown: ShownUnits
-) -> SeasonStep:
-    row = now.row
-    change = row.mass - (plan.dry_mass or row.mass)
+def _setting(guide: SeasonGuide, ways: SeasonWays, shown: ShownUnits) -> SeasonStep:
+    plan, now, row = guide.plan, guide.now, guide.now.row
+    change = row.mass - (plan.flight.dry_mass or row.mass)
     sign = "+" if change > 0 else ""
-    lift_off = shown.mass(row.mass + found.motor.loaded_mass)
+    lift_off = shown.mass(row.mass + plan.found.motor.loaded_mass)
     texts = [
         f"dry mass {shown.mass(row.mass).split()[0]} ± {shown.mass(now.mass_sd)} "
         f"({sign}{shown.mass(change)} against the plan), {lift_off} at lift-off"
@@ -135,7 +123,7 @@ def _setting(
     )
     if row.at_edge:
         texts.append(f"this is at the limit of the masses tried: another motor may meet the target, {ways.motors}")
-    texts.append(f"based on {counted(ahead.forecast.rests_on, 'flight')}")
+    texts.append(f"based on {counted(guide.ahead.forecast.rests_on, 'flight')}")
     return "mass and parachute together", "", tuple(texts)
 
 
@@ -159,14 +147,9 @@ def _planned(one: PracticePlan, shown: ShownUnits) -> str:
     )
 
 
-def _qualification(
-    rule: Season,
-    scored: Sequence[tuple[Flight, float]],
-    declared: Sequence[str],
-    scores: Float[Array, "draw"] | None,
-    cut: float | None,
-) -> SeasonStep:
-    by_id = {flight.flight_id: (flight, points) for flight, points in scored}
+def _qualification(guide: SeasonGuide) -> SeasonStep:
+    rule, scores, declared, cut = guide.rule, guide.scores, guide.day.declared, guide.day.cut
+    by_id = {flight.flight_id: (flight, points) for flight, points in guide.scored}
     texts = []
     for name in declared:
         if name not in by_id:

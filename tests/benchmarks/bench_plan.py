@@ -20,6 +20,7 @@ from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
 from fieldkit.planning.outlook import outlook
@@ -97,14 +98,14 @@ def test_one_predict(
 
 def test_a_delay(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
     rocket, plan = rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, PLAN, Settings())
-    timed(benchmark, one, lambda: delays(rocket, plan, motors.resolve("F67W"), 15.0))
+    timed(benchmark, one, lambda: delays(Plan(rocket, plan, motors.resolve("F67W")), 15.0))
 
 
 def test_ballast(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
     rocket, plan = rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, PLAN, Settings())
-    timed(benchmark, one, lambda: ballast(rocket, plan, motors.resolve("F24-4W"), Goal(240.0, 3.0)))
+    timed(benchmark, one, lambda: ballast(Plan(rocket, plan, motors.resolve("F24-4W")), Goal(240.0, 3.0)))
 
 
 def test_a_contest(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
     rocket, plan = rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, PLAN, Settings())
-    timed(benchmark, one, lambda: outlook(season(2027), rocket, plan, motors.resolve("F24-4W")))
+    timed(benchmark, one, lambda: outlook(season(2027), Plan(rocket, plan, motors.resolve("F24-4W"))))

@@ -17,7 +17,7 @@ from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import usual
-from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecasts
+from fieldkit.planning.forecasts import Plan, RocketData, fitted_forecast, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
 from fieldkit.planning.quantiles import three
@@ -69,7 +69,7 @@ def test_the_coast_ends_when_gravity_and_little_drag_have_used_up_the_speed(pred
 def test_the_charge_fires_at_delay_minus_coast_after_apogee_with_the_scatter_of_both(
     prediction: Prediction, motors: Catalogue
 ) -> None:
-    judged = delays(NEW, PLAN, motors.resolve("F39T"), limit=15.0, takes_off=(3.0,), draws=400)
+    judged = delays(Plan(NEW, PLAN, motors.resolve("F39T")), limit=15.0, takes_off=(3.0,), draws=400)
     low, middle, high = next(one for one in judged.delays if one.delay == 6.0).after_apogee
     coast = judged.coast
     assert middle == pytest.approx(6.0 - coast[1], abs=0.15)
@@ -82,7 +82,7 @@ def test_the_charge_fires_at_delay_minus_coast_after_apogee_with_the_scatter_of_
 
 def test_a_charge_during_the_climb_is_early_by_the_rest_of_the_climb(motors: Catalogue) -> None:
     """Relative to the apogee without it, because the charge ends the climb soon after."""
-    judged = delays(NEW, PLAN, motors.resolve("F39T-6"), limit=15.0, takes_off=(6.0,), draws=400)
+    judged = delays(Plan(NEW, PLAN, motors.resolve("F39T-6")), limit=15.0, takes_off=(6.0,), draws=400)
     early = min(judged.delays, key=lambda one: one.delay)
     assert early.after_apogee[1] == pytest.approx(early.delay - judged.coast[1], abs=0.2)
     assert early.after_apogee[1] < -2

@@ -25,11 +25,11 @@ from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors, motor_line
 from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of
-from fieldkit.planning.finals import finals_table, finals_targets, trials
+from fieldkit.planning.finals import finals_plan, finals_table, finals_targets, trials
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import RocketData
+from fieldkit.planning.forecasts import Plan, RocketData
 from fieldkit.planning.outlook import outlook
-from fieldkit.presentation.finals_text import finals_basis
+from fieldkit.presentation.finals_text import finals_notes
 from fieldkit.presentation.planning_text import ballast_in_words, outlook_in_words
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.units import FOOT
@@ -239,10 +239,10 @@ def test_the_best_parachute_has_the_fewest_points_and_the_probability_is_that_of
         for n, height in enumerate((241.0, 246.0, 238.0, 249.0))
     )
     rule, rocket = season(2027), RocketData(history, ())
-    as_flown = outlook(rule, rocket, plan, found, draws=200)
+    as_flown = outlook(rule, Plan(rocket, plan, found), draws=200)
     assert as_flown.fall.flights == 4
     assert as_flown.area < 0.8  # it came down after 65 s, the window closes at 40 s
-    smaller = outlook(rule, rocket, plan, found, as_flown.area, draws=200)
+    smaller = outlook(rule, Plan(rocket, plan, found), as_flown.area, draws=200)
     assert smaller.points.mean() == pytest.approx(as_flown.points_there, rel=0.02)
     assert smaller.points.mean() < as_flown.points.mean() - 50
     sums = rule.sums(smaller.points)
@@ -260,7 +260,7 @@ def test_a_parachute_that_was_never_timed_is_not_to_be_changed_for_a_gain_within
     """Without flights the best area is at the limit of those tried, because the descent is unknown by 30%."""
     found = catalogue().resolve("F67W-6")
     plan = Flight(rocket="Team", dry_mass=0.56, diameter=0.066, delay=6.0)
-    ahead = outlook(season(2027), RocketData((), ()), plan, found)
+    ahead = outlook(season(2027), Plan(RocketData((), ()), plan, found))
     assert ahead.gain > 1
     assert ahead.at_edge
     assert not ahead.clear
@@ -445,7 +445,7 @@ def test_mass_and_parachute_are_optimized_together_and_higher_targets_need_less_
         (plan.with_changes(flight_id=str(n), motor="F39T-6", apogee=height, duration=height / 5.5 + 7.0), found)
         for n, height in enumerate((236.0, 240.0, 238.0, 243.0))
     )
-    flown = trials(RocketData(history, ()), plan, found, rule)
+    flown = trials(Plan(RocketData(history, ()), plan, found), rule)
     assert [round(one / FOOT) for one in finals_targets(rule)] == [feet for feet in range(775, 826, 5) if feet != 800]
     table = finals_table(flown, rule, finals_targets(replace(rule, finals_never=None)))
     assert [round(one.target / FOOT) for one in table] == list(range(775, 826, 5))
@@ -464,8 +464,8 @@ def test_ballast_is_unchanged_if_the_gain_is_not_clear() -> None:
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066)
     goal = Goal(rule.target, 3.0, "points", rule)
     heavy = plan.with_changes(dry_mass=0.58)
-    near = ballast(RocketData((), ()), plan, found, goal, draws=80)
-    legal = ballast(RocketData((), ()), heavy, found, goal, draws=80)
+    near = ballast(Plan(RocketData((), ()), plan, found), goal, draws=80)
+    legal = ballast(Plan(RocketData((), ()), heavy, found), goal, draws=80)
     assert near.gain is not None
     assert not near.clear
     assert near.advised.plan.dry_mass == plan.dry_mass
@@ -477,7 +477,7 @@ def test_ballast_is_unchanged_if_the_gain_is_not_clear() -> None:
 def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     heavy = Flight(rocket="Comet", dry_mass=0.62, diameter=0.066)
-    best = ballast(RocketData((), ()), heavy, found, Goal(rule.target, 3.0, "points", rule), draws=80)
+    best = ballast(Plan(RocketData((), ()), heavy, found), Goal(rule.target, 3.0, "points", rule), draws=80)
     assert best.too_heavy
     assert best.clear
     assert best.advised is best.forecast
@@ -489,9 +489,10 @@ def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> No
 def test_the_table_of_finals_states_how_much_one_flight_would_narrow_it() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, delay=6.0)
-    flown = trials(RocketData((), ()), plan, found, rule)
-    words = " ".join(finals_basis(flown, finals_table(flown, rule, [rule.target])))
-    apogee, descent = (int(number) for number in re.findall(r"by (\d+)%", words)[-2:])
+    finals = finals_plan(Plan(RocketData((), ()), plan, found), rule, lambda *_: [])
+    apogee, descent = (
+        int(number) for number in re.findall(r"would narrow .*?by (\d+)%", " ".join(finals_notes(finals)))
+    )
     assert 10 < apogee < 80
     assert descent == 55  # from 30 % and 10 % to 10 % and 10 %, as the root of the sum of squares
 

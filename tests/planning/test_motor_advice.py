@@ -29,7 +29,7 @@ def choices() -> list[MotorChoice]:
 
 
 def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left_out(
-    choices: list[MotorChoice],
+    choices: list[MotorChoice], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A G of 97 N s is beyond the 80 N s of a season."""
     advice = motor_advice([in_season(one, RULE) for one in choices], RULE, None)
@@ -38,7 +38,10 @@ def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left
     means = [one.mean for one in advice.ranked]
     assert means == sorted(means)
     assert (advice.current, advice.gain, advice.clear) == (None, None, False)
-    judged = {one.motor.designation: in_season(one, RULE, frozenset({"f24w"})) for one in choices}
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    (tmp_path / "seasons").mkdir()
+    (tmp_path / "seasons" / "2027_motors.txt").write_text("f24w\n")
+    judged = {one.motor.designation: in_season(one, RULE) for one in choices}
     reasons = {name: [line.name for line in one.beyond_season] for name, one in judged.items()}
     assert reasons["F24W"] == []
     assert reasons["F39T"] == ["contest motor list"]

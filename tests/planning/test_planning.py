@@ -25,7 +25,7 @@ from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered
 from fieldkit.planning.descent_rate import Fall
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.forecasts import Plan, RocketData, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import MotorOrder, Wanted, guide, mount_of, suitable_motors
 from fieldkit.planning.quantiles import three
@@ -253,7 +253,7 @@ def test_every_threshold_states_its_source() -> None:
 
 
 def test_the_best_delay_is_the_least_likely_to_be_too_fast(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
-    judged = delays(rocket, plan, motors.resolve("F67W"), limit=15.0, takes_off=(8.0,), draws=200)
+    judged = delays(Plan(rocket, plan, motors.resolve("F67W")), limit=15.0, takes_off=(8.0,), draws=200)
     chances = [one.too_fast for one in judged.delays]
     assert chances == sorted(chances)
     early = next(one for one in judged.delays if one.delay == 1.0)
@@ -293,7 +293,7 @@ def test_the_forecast_of_a_plan_ejects_like_that_delay_in_the_choice_of_a_delay(
 ) -> None:
     """So landing, safety and forecast agree with the page of delays."""
     found = motors.resolve("F67W")
-    for one in delays(rocket, plan, found, limit=15.0, takes_off=(8.0,), draws=1000).delays:
+    for one in delays(Plan(rocket, plan, found), limit=15.0, takes_off=(8.0,), draws=1000).delays:
         (ahead,) = forecasts(rocket, [(plan.with_changes(delay=one.delay), found)], draws=1000)
         assert three(ahead.eject_speed) == pytest.approx(one.speed, rel=0.05, abs=0.3)
 
@@ -335,7 +335,7 @@ def test_an_old_list_of_delays_asks_for_the_longest_on_the_package(motors: Catal
     heavy = Flight(rocket="Comet", dry_mass=1.2, diameter=0.057)
 
     def words(name: str) -> str:
-        return " ".join(delays(RocketData((), ()), heavy, motors.resolve(name), 15.0, draws=40).words)
+        return " ".join(delays(Plan(RocketData((), ()), heavy, motors.resolve(name)), 15.0, draws=40).words)
 
     assert "the longest delay printed on yours, as in I284W-14A" in words("I284W")
     assert "printed" not in words("I284W-14A")
@@ -351,7 +351,7 @@ def test_delays_that_cannot_fit_are_explained(
     found = motors.resolve(motor)
     sold = (2.0,) if text == "early" else (9.0,)
     (words,) = delays(
-        rocket, plan.with_changes(dry_mass=mass), Found(replace(found.motor, delays=sold), None), 15.0, draws=40
+        Plan(rocket, plan.with_changes(dry_mass=mass), Found(replace(found.motor, delays=sold), None)), 15.0, draws=40
     ).words
     assert f"every charge fires {text}" in words
 
@@ -360,7 +360,7 @@ def test_the_best_ballast_beats_more_less_and_the_current_one(
     rocket: RocketData, plan: Flight, motors: Catalogue
 ) -> None:
     found = motors.resolve("F24-4W")
-    best = ballast(rocket, plan, found, Goal(240.0, 10.0), draws=300)
+    best = ballast(Plan(rocket, plan, found), Goal(240.0, 10.0), draws=300)
     masses = [best.mass + change for change in (-0.03, 0.0, 0.03)]
     prediction = forecasts(rocket, [(plan.with_changes(dry_mass=mass), found) for mass in masses], draws=600)
     chances = [float((np.abs(one.apogee - 240.0) < 10.0).mean()) for one in prediction]
@@ -377,7 +377,7 @@ def test_the_best_ballast_beats_more_less_and_the_current_one(
 def test_for_a_target_out_of_reach_the_possible_range_is_stated(
     rocket: RocketData, plan: Flight, motors: Catalogue, target: float, end: int
 ) -> None:
-    best = ballast(rocket, plan, motors.resolve("F24-4W"), Goal(target, 3.0), draws=60)
+    best = ballast(Plan(rocket, plan, motors.resolve("F24-4W")), Goal(target, 3.0), draws=60)
     assert not best.met
     assert best.reach[0] < best.reach[1]
     assert best.apogee[1] == pytest.approx(best.reach[end], abs=0.01)  # the height it names is the end of the range
@@ -464,7 +464,7 @@ def test_the_ceiling_of_a_saved_site_applies_to_plans(path: str, capsys: pytest.
 
 def test_ballast_by_a_seasons_points_includes_the_descent(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     rule, found = season(2027), motors.resolve("F24-4W")
-    best = ballast(rocket, plan, found, Goal(rule.target, 3.0, "points", rule), draws=60)
+    best = ballast(Plan(rocket, plan, found), Goal(rule.target, 3.0, "points", rule), draws=60)
     assert best.there.points is not None
     assert best.today.points is not None
     assert best.there.points <= best.today.points

@@ -25,7 +25,7 @@ from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, usual
 from fieldkit.planning.flown_descent import landing_mass, shown_speeds
-from fieldkit.planning.forecasts import RocketData, forecasts
+from fieldkit.planning.forecasts import Plan, RocketData, forecasts
 from fieldkit.planning.landing import (
     MAX_RECOMMENDED_ANGLE,
     TRIED_DRAWS,
@@ -191,7 +191,7 @@ def test_without_a_wind_the_landing_is_unknown_but_the_drift_per_wind_speed_is_s
     words = " ".join(landing_in_words(PlannedFlight(calm, fall, found, (), ()), Site(size=300.0)))
     assert "unknown without the wind" in words
     assert " 0 m from the pad" not in words
-    assert rail_choices(NEW, calm.plan, FOUND, 0.1) == []
+    assert rail_choices(Plan(NEW, calm.plan, FOUND), 0.1) == []
     line = next(one for one in safety_lines(calm, Site(size=400.0), fall, limits()) if one.name == "field size")
     assert line.verdict == "unknown"
     assert "wind not given; drifts" in line.text
@@ -208,7 +208,7 @@ def test_without_a_wind_the_landing_is_unknown_but_the_drift_per_wind_speed_is_s
 )
 def test_up_to_the_maximum_wind_landings_stay_on_the_field(size: float, changes: dict[str, object]) -> None:
     plan = PLAN.with_changes(wind=None, **changes)
-    wind = wind_that_holds(NEW, plan, FOUND, size)
+    wind = wind_that_holds(Plan(NEW, plan, FOUND), size)
     (prediction,) = forecasts(NEW, [(plan.with_changes(wind=wind), FOUND)], draws=1000)
     stay = np.mean(landing(prediction, fall_of([], plan, FOUND)).away <= size / 2)
     by_chance = np.sqrt(0.95 * 0.05 * (1 / TRIED_DRAWS + 1 / 1000))  # of the two sets of draws
@@ -217,9 +217,9 @@ def test_up_to_the_maximum_wind_landings_stay_on_the_field(size: float, changes:
 
 def test_in_no_wind_a_tilted_rail_misses_a_small_field_and_in_any_wind_a_fast_descent_hits_a_large_one() -> None:
     calm = PLAN.with_changes(wind=None)
-    leaning = planned_flight(NEW, calm.with_changes(rail_angle=0.17), FOUND, Site(size=60.0), limits())
+    leaning = planned_flight(Plan(NEW, calm.with_changes(rail_angle=0.17), FOUND), Site(size=60.0), limits())
     fast = calm.with_changes(dry_mass=0.9, extra={"main_altitude_m": "30", "drogue_speed_mps": "40"})
-    wide = planned_flight(NEW, fast, FOUND, Site(size=1000.0), limits())
+    wide = planned_flight(Plan(NEW, fast, FOUND), Site(size=1000.0), limits())
 
     site = Site(size=60.0)
 
@@ -228,7 +228,7 @@ def test_in_no_wind_a_tilted_rail_misses_a_small_field_and_in_any_wind_a_fast_de
 
     assert "even in calm air" in words(leaning)
     assert "in any wind up to 10" in words(wide)
-    assert planned_flight(NEW, PLAN, FOUND, site, limits()).holds is None
+    assert planned_flight(Plan(NEW, PLAN, FOUND), site, limits()).holds is None
 
 
 def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(prediction: Prediction) -> None:
@@ -292,12 +292,12 @@ def test_the_ellipse_contains_nine_landings_in_ten(prediction: Prediction) -> No
 
 
 def test_a_rail_into_the_wind_brings_the_landing_closer() -> None:
-    choices = rail_choices(NEW, PLAN, FOUND, np.radians(20))
+    choices = rail_choices(Plan(NEW, PLAN, FOUND), np.radians(20))
     upright = next(choice for choice in choices if choice.angle == 0)
     assert choices[0].direction == "into"
     assert choices[0].angle > 0
     assert choices[0].away[1] < upright.away[1]
-    assert all(choice.angle <= np.radians(5) + 1e-9 for choice in rail_choices(NEW, PLAN, FOUND, np.radians(5)))
+    assert all(choice.angle <= np.radians(5) + 1e-9 for choice in rail_choices(Plan(NEW, PLAN, FOUND), np.radians(5)))
 
 
 def test_a_charge_that_fires_too_late_means_a_ballistic_landing(prediction: Prediction) -> None:
@@ -520,7 +520,7 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
 )
 def test_no_rail_angle_is_recommended_for_a_flight_that_none_makes_safe(changes: dict[str, float], why: str) -> None:
     plan = PLAN.with_changes(delay=6.0, extra={"main_speed_mps": "5"}).with_changes(**changes)
-    one = planned_flight(NEW, plan, FOUND, Site(), limits())
+    one = planned_flight(Plan(NEW, plan, FOUND), Site(), limits())
     assert one.rail == ()
     assert one.no_rail.startswith(why) or "ground before" in one.no_rail
     words = landing_in_words(one, Site())
@@ -529,7 +529,7 @@ def test_no_rail_angle_is_recommended_for_a_flight_that_none_makes_safe(changes:
 
 def test_a_safe_rail_angle_is_recommended_for_an_unsafe_one() -> None:
     plan = PLAN.with_changes(wind=2.0, delay=6.0, rail_angle=0.78)
-    one = planned_flight(NEW, plan, FOUND, Site(), limits())
+    one = planned_flight(Plan(NEW, plan, FOUND), Site(), limits())
     assert {line.name for line in one.lines if line.verdict == "unsafe"} & {"launch angle", "ejection speed"}
     assert one.no_rail == ""
     assert one.rail[0].angle <= MAX_RECOMMENDED_ANGLE
@@ -541,7 +541,7 @@ def test_a_safe_rail_angle_is_recommended_for_an_unsafe_one() -> None:
 def test_the_landing_speed_is_that_under_the_parachute_of_the_flights_that_open_it() -> None:
     """With a delay that lets a third hit the ground first, the speed of those is no landing speed."""
     plan = PLAN.with_changes(delay=11.0, extra={"main_speed_mps": "5"})
-    one = planned_flight(NEW, plan, FOUND, Site(), limits())
+    one = planned_flight(Plan(NEW, plan, FOUND), Site(), limits())
     assert 0.1 < one.down.down.ballistic.mean() < 0.5
     assert one.down.landing_speed[1] == pytest.approx(5.0, rel=0.15)
     assert one.down.json()["landing_speed_mps"]["p50"] == one.down.landing_speed[1]
@@ -566,7 +566,9 @@ def test_a_parachute_that_is_too_small_or_too_large_gives_a_safety_line(
     typed: dict[str, str], verdict: str, expected: str
 ) -> None:
     plan = PLAN.with_changes(extra=typed)
-    line = next(one for one in planned_flight(NEW, plan, FOUND, Site(), limits()).lines if one.name == "landing speed")
+    line = next(
+        one for one in planned_flight(Plan(NEW, plan, FOUND), Site(), limits()).lines if one.name == "landing speed"
+    )
     assert line.verdict == verdict, line.text
     assert expected in line.text
     wrong_size = verdict in ("caution", "unsafe") and not {"recovery", "main_altitude_m"} & set(typed)
@@ -586,7 +588,7 @@ def test_a_main_above_the_apogee_opens_there_and_the_landing_reports_it(
 
 def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> None:
     late = PLAN.with_changes(delay=40.0, extra={"main_speed_mps": "5"})
-    lines = planned_flight(NEW, late, FOUND, Site(), limits()).lines
+    lines = planned_flight(Plan(NEW, late, FOUND), Site(), limits()).lines
     line = next(one for one in lines if one.name == "landing speed")
     assert line.verdict == "unsafe"
     assert "before anything opens" in line.text
@@ -594,7 +596,7 @@ def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> Non
 
 def test_a_landing_in_calm_air_is_uncertain() -> None:
     """Calm means less than 0.3 m/s: this much drift is possible in every direction."""
-    down = planned_flight(NEW, PLAN.with_changes(wind=0.0), FOUND, Site(), limits()).down
+    down = planned_flight(Plan(NEW, PLAN.with_changes(wind=0.0), FOUND), Site(), limits()).down
     reach = np.quantile(down.away, 0.95)
     assert 0.2 * np.median(down.drift) < reach < 0.3 * np.quantile(down.drift, 0.99)
     ellipse = down.ellipse()

@@ -11,7 +11,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.motors import catalogue
-from fieldkit.planning.forecasts import RocketData
+from fieldkit.planning.forecasts import Plan, RocketData
 from fieldkit.planning.limits import limits
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.presentation.report.day_sheet import ROWS, day_sheet
@@ -29,7 +29,7 @@ SITE = Site(name="Meadow", size=300.0, people=30.0)
 def planned() -> PlannedFlight:
     found = catalogue().resolve("C6-5")
     plan = Flight(flight_id="1", rocket="Alpha", motor="C6-5", dry_mass=0.04, diameter=0.025, wind=3.0, delay=5.0)
-    return planned_flight(RocketData((), ()), plan, found, SITE, limits())
+    return planned_flight(Plan(RocketData((), ()), plan, found), SITE, limits())
 
 
 def text_of(content: bytes) -> str:

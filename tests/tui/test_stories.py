@@ -103,10 +103,10 @@ async def test_a_figure_that_is_not_final_is_marked_and_the_saved_one_is_the_one
 
 async def test_the_contest_shows_the_apogee_of_the_forecast(file: Path) -> None:
     from fieldkit.motors import Found, catalogue
-    from fieldkit.planning.forecasts import forecasts
+    from fieldkit.planning.contest import rule_of
+    from fieldkit.planning.forecasts import Plan, forecasts
     from fieldkit.planning.outlook import outlook
     from fieldkit.services.forecasts import rocket_of
-    from fieldkit.tui.next.decisions import rule_of
 
     motors = catalogue()
     with Ledger.open(file) as ledger:
@@ -114,7 +114,7 @@ async def test_the_contest_shows_the_apogee_of_the_forecast(file: Path) -> None:
     plan = Flight(rocket="Astra", config="A", motor="AeroTech F24W", delay=4.0, dry_mass=0.322, diameter=0.066)
     found = Found(motors.resolve("AeroTech F24W").motor, None)
     (alone,) = forecasts(rocket, [(plan, found)])
-    assert outlook(rule_of(2027), rocket, plan, found).forecast.apogee_quantiles() == alone.apogee_quantiles()
+    assert outlook(rule_of(2027), Plan(rocket, plan, found)).forecast.apogee_quantiles() == alone.apogee_quantiles()
 
 
 async def test_units_chosen_later_win_over_one_typed_earlier(file: Path) -> None:

@@ -5,8 +5,6 @@ from itertools import islice
 
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
-from fieldkit.motors import Found
-from fieldkit.planning.contest import Season
 from fieldkit.planning.finals import FinalsPlan
 from fieldkit.planning.planned_flight import PlannedFlight
 from fieldkit.presentation.finals_text import (
@@ -51,15 +49,11 @@ def safety_sheet_of(one: PlannedFlight, rocket: Rocket, site: Site, suffix: str,
     return safety_sheet([*title, _day(plan), *conditions_in_words(plan, rocket, system)], one.lines, suffix, system)
 
 
-def finals_card_of(one: FinalsPlan, plan: Flight, found: Found, rule: Season, suffix: str, system: str = "SI") -> bytes:
+def finals_card_of(finals: FinalsPlan, suffix: str, system: str = "SI") -> bytes:
     """The card of finals of a plan, as a file with a suffix: the table, failed checks, and what is not known."""
-    fall = one.flown.fall
-    notes = [*filter(None, [finals_failures(one.lines)]), *finals_notes(one, rule)]
-    heading, rows = (
-        list(finals_heading(plan, found, rule, fall, system)),
-        finals_rows(one.table, plan, found, fall, system),
-    )
-    return finals_card(heading, finals_headers(fall, system), rows, suffix, notes)
+    notes = [*filter(None, [finals_failures(finals.lines)]), *finals_notes(finals)]
+    headers, rows = finals_headers(finals.flown.fall, system), finals_rows(finals, system)
+    return finals_card(list(finals_heading(finals, system)), headers, rows, suffix, notes)
 
 
 def _day(plan: Flight) -> str:

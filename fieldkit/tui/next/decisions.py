@@ -14,25 +14,24 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.flight.site import Site
 from fieldkit.forecast.evaluation.comparison import judged_report
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Catalogue, Found, Motor
+from fieldkit.motors import Catalogue
 from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.paths import data_file
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.check import SafetyCheck
-from fieldkit.planning.contest import Season, declared_score, score, season
+from fieldkit.planning.contest import Season, declared_score, rule_of, score
 from fieldkit.planning.contest_day import Day
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
-from fieldkit.planning.contest_limits import allowed, approved_motors
+from fieldkit.planning.contest_limits import allowed
 from fieldkit.planning.delay import Delays, delays, drill_of
 from fieldkit.planning.descent_rate import fall_of
-from fieldkit.planning.forecasts import RocketData
+from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.limits import Limit
 from fieldkit.planning.outlook import outlook
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
@@ -218,20 +217,18 @@ MAX_SCORED_FLIGHTS = 6
 class Decision:
     """A plan on a motor, and the inputs of its answers; pictures are in the units of a `system`."""
 
-    plan: Flight
-    rocket: RocketData
+    plan: Plan
     site: Site
     limits: dict[str, Limit]
-    motor: Motor
     system: str = "SI"
 
     def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
         fast = self.limits["eject_speed"].value
-        tool = drill_of(self.motor, data_file("drills.toml"))
+        tool = drill_of(self.plan.found.motor, data_file("drills.toml"))
         takes_off = tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
-        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
+        judged = delays(self.plan, fast, takes_off, left)
         words = tuple(delays_in_words(judged, fast, tool, self.system))
         answer = self._answer(words, judged.forecast)
         return of_delays(large_figures.of_delay(answer, judged), judged)
@@ -243,7 +240,7 @@ class Decision:
         if wanted is None:
             return self._without_target()
         goal = Goal(wanted, TARGET_BAND, aim, rule)
-        best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
+        best = ballast(self.plan, goal)
         prediction = best.advised
         more = _limits_of(rule, prediction, day) if rule else ()
         answer = self._answer(tuple(ballast_in_words(best, goal, self.system)), prediction, more)
@@ -252,7 +249,7 @@ class Decision:
 
     def _without_target(self) -> Answer:
         """The forecast as the rocket is, and what a target would add."""
-        prediction = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits).prediction
+        prediction = self.plan.forecast()
         words = (
             "No target yet. g to set one",
             "",
@@ -266,7 +263,7 @@ class Decision:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
         rule = day.rule(rule_of(year))
-        ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
+        ahead = outlook(rule, self.plan, area)
         prediction = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
         answer = self._answer(words, prediction, _limits_of(rule, prediction, day), area)
@@ -275,12 +272,9 @@ class Decision:
 
     def season(self, ledger: Ledger, year: int, day: Day) -> Answer:
         """A season's steps: what is done, what is missing, and what to do next."""
-        found, rule = Found(self.motor, None), rule_of(year)
-        one = season_guide(ledger, self.rocket, self.plan, found, rule, day.declared, day.length, self._checks)
-        words = [f"Season {year}: {self.plan.rocket}"]
-        for step, (name, state, texts) in enumerate(
-            season_steps(self.plan, found, one, day.declared, day.cut, SEASON_KEYS, self.system), start=1
-        ):
+        one = season_guide(ledger, self.plan, rule_of(year), day, self._checks)
+        words = [f"Season {year}: {self.plan.flight.rocket}"]
+        for step, (name, state, texts) in enumerate(season_steps(one, SEASON_KEYS, self.system), start=1):
             state = f": {state}" if state else ""
             words += ["", f"{step}. {name}{state}", *(f"   {by_keys(text)}" for text in texts)]
         return Answer(
@@ -293,12 +287,12 @@ class Decision:
 
     def _checks(self, prediction: Prediction, area: float) -> list[SafetyCheck]:
         """The safety checks of a forecast with a fraction of the parachute's area. [1]"""
-        fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
+        fall = fall_of(self.plan.rocket.history, prediction.plan, prediction.found).on_area(area)
         return safety_lines(prediction, self.site, fall, self.limits)
 
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
-        one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
+        one = planned_flight(self.plan, self.site, self.limits)
         words = tuple(map(by_keys, landing_in_words(one, self.site, self.system)))
         words += ("", "w to write the range safety sheet, R the range card")
         answer = Answer(
@@ -311,11 +305,15 @@ class Decision:
 
     def noted(self, answer: Answer) -> Answer:
         """An answer with a note on what is not modeled for a cluster."""
-        return replace(answer, words=(*answer.words, f"  note      {CLUSTER_NOTE}")) if self.motor.parts else answer
+        return (
+            replace(answer, words=(*answer.words, f"  note      {CLUSTER_NOTE}"))
+            if self.plan.found.motor.parts
+            else answer
+        )
 
     def saved_forecasts(self, ledger: Ledger, motors: Catalogue) -> Answer:
         """The saved forecasts of the rocket, the newest first, each marked if it is stale, with the reason."""
-        found = list_forecasts(ledger, motors, self.plan.rocket)
+        found = list_forecasts(ledger, motors, self.plan.flight.rocket)
         if not found:
             return Answer(("No saved forecasts of this rocket yet. Press Enter on the Fly page to save one.",))
         words = [standing(found)]
@@ -327,7 +325,7 @@ class Decision:
 
     def fared(self, ledger: Ledger, motors: Catalogue) -> Answer:
         """The quality of forecasts of this rocket: of each flight from all rockets' earlier flights."""
-        rocket = self.plan.rocket
+        rocket = self.plan.flight.rocket
         rows = [row for row in replayed(ledger, motors, rocket) if row.earlier]
         if not rows:
             return Answer(("Needs two normal flights with an apogee: each is forecast from the earlier ones.",))
@@ -336,7 +334,7 @@ class Decision:
         return of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
-        scored = score(rule, ledger.flights(self.plan.rocket))
+        scored = score(rule, ledger.flights(self.plan.flight.rocket))
         if not scored:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
@@ -364,7 +362,7 @@ class Decision:
         """An answer beside the conditions of a forecast and its safety checks, with a fraction of the parachute's
         area. [1]"""
         lines = [*self._checks(prediction, area), *more]
-        conditions = (*conditions_in_words(prediction.plan, self.rocket.known, self.system), "")
+        conditions = (*conditions_in_words(prediction.plan, self.plan.rocket.known, self.system), "")
         return Answer(
             words,
             (*conditions, *unfolded(lines, self.system)),
@@ -374,11 +372,4 @@ class Decision:
 
 def _limits_of(rule: Season, prediction: Prediction, day: Day) -> list[SafetyCheck]:
     """The season's limits on a plan, with the flyer's own list of approved motors."""
-    return allowed(
-        rule, prediction.plan, prediction.found, day.length, approved_motors(rule.year, data_file("seasons"))
-    )
-
-
-def rule_of(year: int) -> Season:
-    """The rule of a season, the flyer's if there is one. Raises BadValue for an unknown season."""
-    return season(year, data_file("seasons"))
+    return allowed(rule, prediction.plan, prediction.found, day.length)

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fieldkit import files
-from fieldkit.motors import Found
+from fieldkit.planning.contest import rule_of
 from fieldkit.planning.contest_day import Day
 from fieldkit.planning.finals import FinalsPlan, finals_plan
 from fieldkit.planning.planned_flight import planned_flight
 from fieldkit.presentation.report.finals_card import SUFFIXES, check_card
 from fieldkit.presentation.report.plan_pages import finals_card_of, range_card_of, safety_sheet_of
-from fieldkit.tui.next.decisions import Decision, rule_of
+from fieldkit.tui.next.decisions import Decision
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import Written, ask_file
 
@@ -28,9 +28,7 @@ def finals_of(decision: Decision, year: int, day: Day) -> FinalsPlan:
     Raises ImpossibleFlight for a plan without a mass or with too little thrust.
     """
     rule = rule_of(year).announced(None, day.window)
-    return finals_plan(
-        decision.rocket, decision.plan, Found(decision.motor, None), rule, decision.contest_checks(rule, day)
-    )
+    return finals_plan(decision.plan, rule, decision.contest_checks(rule, day))
 
 
 def ask_page(screen: PageScreen, kind: str, current: Callable[[], tuple[Decision, int, Day]]) -> None:
@@ -46,10 +44,8 @@ def ask_page(screen: PageScreen, kind: str, current: Callable[[], tuple[Decision
 
 
 def _page(kind: str, suffix: str, decision: Decision, year: int, day: Day) -> bytes:
-    plan, found, system = decision.plan, Found(decision.motor, None), decision.system
     if kind == "finals":
-        rule = rule_of(year).announced(None, day.window)
-        return finals_card_of(finals_of(decision, year, day), plan, found, rule, suffix, system)
-    one = planned_flight(decision.rocket, plan, found, decision.site, decision.limits)
+        return finals_card_of(finals_of(decision, year, day), suffix, decision.system)
+    one = planned_flight(decision.plan, decision.site, decision.limits)
     write = safety_sheet_of if kind == "sheet" else range_card_of
-    return write(one, decision.rocket.known, decision.site, suffix, system)
+    return write(one, decision.plan.rocket.known, decision.site, suffix, decision.system)

@@ -16,7 +16,6 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight.site import Site
-from fieldkit.motors import Found
 from fieldkit.paths import data_file
 from fieldkit.planning.contest import season_of, seasons
 from fieldkit.planning.contest_day import Day
@@ -39,7 +38,7 @@ from fieldkit.tui.add.fields import Form
 from fieldkit.tui.help import Help
 from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
-from fieldkit.tui.next.decisions import AIMS, Decision, rule_of
+from fieldkit.tui.next.decisions import AIMS, Decision
 from fieldkit.tui.next.next_words import folded, unfolded
 from fieldkit.tui.next.plan_pages import PAGES, ask_page, finals_of
 from fieldkit.tui.page import PageScreen
@@ -54,17 +53,15 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
 
     Raises ImpossibleFlight for a plan without a mass or with too little thrust.
     """
-    plan, found, system = decision.plan, Found(decision.motor, None), decision.system
-    rule, one = rule_of(year).announced(None, day.window), finals_of(decision, year, day)
-    fall = one.flown.fall
+    one, system = finals_of(decision, year, day), decision.system
     words = (
-        *finals_heading(replace(plan, rocket=plan.rocket or "this rocket"), found, rule, fall, system),
+        *finals_heading(one, system),
         "",
-        *finals_lines(finals_headers(fall, system), finals_rows(one.table, plan, found, fall, system)),
+        *finals_lines(finals_headers(one.flown.fall, system), finals_rows(one, system)),
         "w to write this table as a card",
         "",
         *FINALS_NOTES,
-        *finals_notes(one, rule),
+        *finals_notes(one),
     )
     return Answer(
         words,
@@ -277,11 +274,11 @@ class PlanScreen(PageScreen):
     def _current(self, settings: Settings) -> tuple[Decision, int, Day]:
         """The decision with the rocket, site and mass as they are now, the season, and its day."""
         ledger, plan = self.resources.ledger, self._decision.plan
-        rocket = rocket_of(ledger, self.resources.motors, plan.rocket)  # another program may have added flights
+        rocket = rocket_of(ledger, self.resources.motors, plan.flight.rocket)  # another program may have added flights
         if (mass := planned_mass(ledger)) is not None:  # it may have been weighed here
             plan = plan.with_changes(dry_mass=mass)
-        site = site_of(ledger, plan.site)
-        decision = replace(self._decision, plan=plan, rocket=rocket, site=site, system=settings.units)
+        plan, site = replace(plan, rocket=rocket), site_of(ledger, plan.flight.site)
+        decision = replace(self._decision, plan=plan, site=site, system=settings.units)
         return decision, self._season, day_of(ledger, self._season)
 
     def action_report(self) -> None:
@@ -325,7 +322,7 @@ class PlanScreen(PageScreen):
 
     async def action_day(self) -> None:
         """Enter the announcements and declarations of the day, and the size of the field."""
-        ledger, season, name = self.resources.ledger, self._season, self._decision.plan.site
+        ledger, season, name = self.resources.ledger, self._season, self._decision.plan.flight.site
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
         await self.settled("day")
 
@@ -333,7 +330,7 @@ class PlanScreen(PageScreen):
         (day, site), system = known, self.resources.settings.units
         title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
-        read = partial(contest_form.read, self._decision.motor, system)
+        read = partial(contest_form.read, self._decision.plan.found.motor, system)
         form = Form(title, contest_form.questions(site), texts, units, read)
         self.app.push_screen(form, partial(self._have_day, season, known))
 
