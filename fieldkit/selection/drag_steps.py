@@ -160,17 +160,12 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
         ]
     )
     ports = _port_errors(logs)
-    by_ports = [[possible_steps(given_ports(one, error)) for one in logs] for error in ports.tolist()]
-    levels, log_levels = _levels(units, by_ports[ports.size // 2])
+    by_ports = [[possible_steps(given_ports(one, error)) for error in ports.tolist()] for one in logs]
+    levels, log_levels = _levels(units, [steps[ports.size // 2] for steps in by_ports])
     log_levels = log_levels[:, None] - 0.5 * ports**2 - np.logaddexp.reduce(-0.5 * ports**2)
-    shape = (len(logs), levels.size, ports.size)
-    none, pulse, lone, some = (np.empty((*shape, *more)) for more in ((), (), (), (means.size,)))
-    for column, steps in enumerate(by_ports):
-        for row, (one, unit) in enumerate(zip(steps, units, strict=True)):
-            found = _log_likelihoods(one, levels / unit, means)
-            none[row, :, column], pulse[row, :, column], lone[row, :, column], some[row, :, column] = found
+    every = [_log_likelihoods(steps, levels / unit, means) for steps, unit in zip(by_ports, units, strict=True)]
     none, pulse, lone, some = (
-        part.reshape(len(logs), levels.size * ports.size, *part.shape[3:]) for part in (none, pulse, lone, some)
+        np.stack(part).reshape(len(logs), log_levels.size, *part[0].shape[2:]) for part in zip(*every, strict=True)
     )
     plain, log_levels = _plain(none, pulse, lone), log_levels.ravel()
     fractions = np.array(_FRACTIONS)
@@ -269,23 +264,31 @@ def _levels(
 
 
 def _log_likelihoods(
-    steps: PossibleSteps, levels: Float[Array, "level"], means: Float[Array, "mean"]
-) -> tuple[Float[Array, "level"], Float[Array, "level"], Float[Array, "level"], Float[Array, "level mean"]]:
-    """Log likelihoods of a log for levels of relative drag: without a step, with a short and a long lone one, and with
-    one of each mean size."""
+    by_ports: Sequence[PossibleSteps], levels: Float[Array, "level"], means: Float[Array, "mean"]
+) -> tuple[
+    Float[Array, "level error"],
+    Float[Array, "level error"],
+    Float[Array, "level error"],
+    Float[Array, "level error mean"],
+]:
+    """Log likelihoods of a log for levels of relative drag and errors of the ports, for each of which `by_ports` has
+    the possible steps: without a step, with a short and a long lone one, and with one of each mean size."""
+    steps = by_ports[0]
     none: list[Array] = []
     pulse: list[Array] = []
     lone: list[Array] = []
     some: list[Array] = []
-    for one in steps.parts:
-        plain = -0.5 * one.level * levels**2 + one.shift * levels
-        none.append(plain + one.log_weight)
-        linear = levels[:, None] * one.pushed - levels[:, None] ** 2 * one.joint
-        quadratic = levels[:, None] ** 2 * one.both
+    for parts in zip(*(steps.parts for steps in by_ports), strict=True):
+        one = parts[0]  # an error of the ports changes no precision
+        shift, log_weight = (np.array([getattr(part, name) for part in parts]) for name in ("shift", "log_weight"))
+        plain = levels[:, None] * shift - 0.5 * one.level * levels[:, None] ** 2 + log_weight
+        none.append(plain)
+        at = levels[:, None, None]
+        linear, quadratic = at * np.stack([part.pushed for part in parts]) - at**2 * one.joint, at**2 * one.both
         for kind, log_prior in ((pulse, steps.log_prior_short), (lone, steps.log_prior)):
-            kind.append(plain + summed_over_steps(linear, quadratic, 0.0, LONE_SD, log_prior) + one.log_weight)
+            kind.append(plain + summed_over_steps(linear, quadratic, 0.0, LONE_SD, log_prior))
         each = [summed_over_steps(linear, quadratic, mean, SIZE_SD * abs(mean), steps.log_prior) for mean in means]
-        some.append(plain[:, None] + np.stack(each, axis=-1) + one.log_weight)
+        some.append(plain[..., None] + np.stack(each, axis=-1))
     each_none, each_pulse, each_lone, each_some = (
         np.logaddexp.reduce(np.stack(part), axis=0) for part in (none, pulse, lone, some)
     )
@@ -305,11 +308,13 @@ def summed_over_steps(
     Derivation: the integral of a normal density times the exponential of a quadratic form.
     """
     precision = quadratic * sd**2 + 1
-    pushed = linear * sd + mean / sd
-    log = 0.5 * (pushed**2 / precision - (mean / sd) ** 2 - np.log(precision))
-    joint = log + log_prior
+    joint = linear * sd + mean / sd
+    joint *= joint
+    joint *= 0.5 / precision
+    joint += log_prior - 0.5 * ((mean / sd) ** 2 + np.log(precision))
     highest = joint.max(axis=-1, keepdims=True)
-    return np.asarray(highest[..., 0] + np.log(np.exp(joint - highest).sum(axis=-1)))
+    joint -= highest
+    return np.asarray(highest[..., 0] + np.log(np.exp(joint, out=joint).sum(axis=-1)))
 
 
 def _plain(none: Array, pulse: Array, lone: Array) -> Float[Array, "*any"]:
