@@ -7,6 +7,7 @@ Simpson, Vehtari and Gelman, 2018). Uniformity is tested simultaneously at all p
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,12 +20,14 @@ from fieldkit.forecast.predict import fly_ahead, learn
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.simulated_readouts import bent
+from fieldkit.parallel import processes
 from fieldkit.physics.history import flown_and_planned
 from fieldkit.shapes import Array, Float
 from studies.generated_ledgers import SUBSETS, GeneratedHistory, ledger, random_recipe
 
 SEED = 2018
 LEDGERS = 1000
+CHUNK = 10
 ROCKETS = 4
 """Maximum number of rockets in a ledger."""
 DRAWS = 999
@@ -71,6 +74,10 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Tr
         rank(prediction.apogee, asked.truth.apogee, rng),
         rank(log_cd, asked.truth.log_cd, rng),
     )
+
+
+def _ranked(number: int) -> TruthRank:
+    return ranked(number, learned())
 
 
 def _seen(history: GeneratedHistory) -> set[str]:
@@ -152,7 +159,8 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--ledgers", type=int, default=LEDGERS)
     parser.add_argument("--table", type=Path, metavar="FILE")
     asked = parser.parse_args(arguments)
-    found = [ranked(number, learned()) for number in range(asked.ledgers)]
+    with processes(os.cpu_count() or 1) as pool:
+        found = list(pool.map(_ranked, range(asked.ledgers), chunksize=CHUNK))
     text = "\n".join([f"{asked.ledgers} ledgers from seed {SEED}:", "", *table(found), ""])
     sys.stdout.write(text)
     if asked.table:

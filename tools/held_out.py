@@ -8,7 +8,9 @@ is in the model only if the flights learned from have a higher log evidence with
 """
 
 import argparse
+import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
@@ -21,6 +23,7 @@ from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior
 from fieldkit.model.rocket_model import FlownFlight
+from fieldkit.parallel import processes
 from fieldkit.services.learn import Flyer, _restricted, read_flyer
 from tools.markdown import prose
 
@@ -89,29 +92,53 @@ def table(rows: Sequence[Forecast], alone: Sequence[Forecast], chosen: Sequence[
     return lines
 
 
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """Flights of a flyer from a day to another, to be forecast with what those of the teachers before show."""
+
+    title: str
+    flyer: Flyer
+    teachers: Sequence[Flyer]
+    start: date | None = None
+    end: date | None = None
+
+    def forecast(self) -> tuple[list[str], list[list[Forecast]]]:
+        """The random effects left out of the structure chosen again, and the forecasts by the model, from apogees
+        alone, and with that structure."""
+        whole, chosen, gone = learned_from(self.teachers, self.start)
+        every = self.flyer.flown
+        apogees = [(_restricted(flight, ("apogee",)), motor) for flight, motor in every]
+        ways = ((every, whole), (apogees, whole), (every, chosen))
+        return gone, [forecasts(flown, by, self.start, self.end) for flown, by in ways]
+
+
+def folds(flyers: Sequence[Flyer]) -> list[Fold]:
+    """Periods of the first flyer, then each of the others left out."""
+    journal, *others = flyers
+    years = [date(year, 1, 1) for year in YEARS]
+    by_time = [
+        Fold(f"{journal.name}, by time", journal, [journal], start, end)
+        for start, end in zip(years, (*years[1:], None), strict=True)
+    ]
+    return by_time + [
+        Fold(f"{flyer.name}, left out", flyer, [other for other in flyers if other is not flyer]) for flyer in others
+    ]
+
+
 def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("flyers", nargs="+", type=Path)
     motors = known_motors()
-    flyers = [read_flyer(path, motors, EXACT_SINCE) for path in parser.parse_args().flyers]
-    journal = flyers[0]
-    parts: dict[str, tuple[list[Forecast], ...]] = {}
+    every = folds([read_flyer(path, motors, EXACT_SINCE) for path in parser.parse_args().flyers])
+    with processes(os.cpu_count() or 1) as pool:
+        found = list(pool.map(Fold.forecast, every))
+    parts: dict[str, list[list[Forecast]]] = {}
     left_out: dict[str, list[str]] = {}
-
-    def add(title: str, flyer: Flyer, teachers: Sequence[Flyer], start: date | None, end: date | None) -> None:
-        whole, chosen, gone = learned_from(teachers, start)
-        left_out[f"{title}, from {start.year}" if start else title] = gone
-        apogees = [(_restricted(flight, ("apogee",)), motor) for flight, motor in flyer.flown]
-        own = parts.setdefault(title, ([], [], []))
-        for rows, (flown, by) in zip(own, ((flyer.flown, whole), (apogees, whole), (flyer.flown, chosen)), strict=True):
-            rows.extend(forecasts(flown, by, start, end))
-
-    for first, last in zip(YEARS, (*YEARS[1:], None), strict=True):
-        start, end = date(first, 1, 1), date(last, 1, 1) if last else None
-        add(f"{journal.name}, by time", journal, [journal], start, end)
-    for flyer in flyers[1:]:
-        add(f"{flyer.name}, left out", flyer, [other for other in flyers if other is not flyer], None, None)
+    for fold, (gone, ways) in zip(every, found, strict=True):
+        left_out[f"{fold.title}, from {fold.start.year}" if fold.start else fold.title] = gone
+        for rows, own in zip(parts.setdefault(fold.title, [[], [], []]), ways, strict=True):
+            rows += own
     print("# Forecasts by time and by flyer\n")
     print("Written by `python -m tools.held_out JOURNAL CONTEST REFERENCE`.\n")
     print(*prose(" ".join(__doc__.split("\n\n", 1)[1].split())), sep="\n")
@@ -119,9 +146,9 @@ def main() -> None:
     print(*prose(f"Periods begin in {years}. All figures are in percent of the flown apogee, for the 90% interval."))
     print("\n| forecasts of | left out of the structure chosen again |\n|---|---|")
     print(*(f"| {title} | {', '.join(gone) or 'nothing'} |" for title, gone in left_out.items()), sep="\n")
-    for title, own in parts.items():
+    for title, ways in parts.items():
         for later, words in ((True, "rockets flown before"), (False, "first flights")):
-            some = [[row for row in each if bool(row.earlier) is later] for each in own]
+            some = [[row for row in each if bool(row.earlier) is later] for each in ways]
             if some[0]:
                 print(f"\n## {title}: {words}\n", *table(*some), sep="\n")
 

@@ -6,6 +6,7 @@ posterior predictive distribution, the rank of the flight among its draws is uni
 Vehtari and Gelman, Validating Bayesian Inference Algorithms with Simulation-Based Calibration, 2018).
 """
 
+import os
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,6 +21,7 @@ from fieldkit.model.hyperprior import START, Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import FlownFlight
 from fieldkit.motors import catalogue
+from fieldkit.parallel import processes
 from fieldkit.physics.history import flown_and_planned
 from fieldkit.shapes import Array, Float
 from studies.generated_ledgers import drawn_flights, drawn_scale
@@ -28,6 +30,7 @@ from tools.markdown import prose
 MOTORS = ("F24", "F39", "E35")
 READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee")
 BINS = 20
+CHUNK = 10
 
 
 def rank(rng: np.random.Generator, hyperprior: Hyperprior) -> float:
@@ -59,10 +62,12 @@ def rank(rng: np.random.Generator, hyperprior: Hyperprior) -> float:
 
 def ranks(count: int) -> Iterator[float]:
     """The ranks of some ledgers, each with its own seed."""
-    for seed in range(count):
-        found = rank(np.random.default_rng(seed), START)
-        if np.isfinite(found):
-            yield found
+    with processes(os.cpu_count() or 1) as pool:
+        yield from (found for found in pool.map(_rank, range(count), chunksize=CHUNK) if np.isfinite(found))
+
+
+def _rank(seed: int) -> float:
+    return rank(np.random.default_rng(seed), START)
 
 
 def page(found: Float[Array, "ledger"]) -> Iterator[str]:

@@ -15,6 +15,7 @@ from fieldkit.forecast.assumed import FLIGHTS_ALONE, Assumed
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.forecast.term_draws import term_draws
+from fieldkit.inference.laplace.few_flights import with_and_without_one_off
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
@@ -153,7 +154,14 @@ def _drawn_with(
     used = acted or [0]  # a rocket never flown has the prior instead of a fit
     result = fitted(part.part(slice(0, len(data.seen))).only(used), data, fits)
     part = replace(part, hyperprior=result.model.hyperprior)
-    own, scales = term_draws(part, used, result, draws, rng, again=bool(flown))
+    cases = with_and_without_one_off(result)
+    counts = _allotted([chance for chance, _ in cases], draws)
+    drawn = [
+        term_draws(part, used, fit, count, rng, again=bool(flown))
+        for (_, fit), count in zip(cases, counts, strict=True)
+        if count
+    ]
+    own, scales = (np.concatenate(column) for column in zip(*drawn, strict=True))
     values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))
     values[:, terms] = own
     ends = np.array([term.mean for term in part.terms])
