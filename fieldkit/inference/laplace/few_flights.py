@@ -2,7 +2,9 @@
 
 A fit weights every flight by its probability of being one of the rocket's usual ones. With few flights the posterior
 is not that of a flight that is mostly usual but a mixture: the flight was a usual one, or it says next to nothing of
-the rocket. By Bayes' rule the odds of the two are those of the flight given the others (`OneOffs.normal`). That two of
+the rocket.
+
+Derivation: by Bayes' rule the odds of the two are those of the flight given the others (`OneOffs.normal`). That two of
 so few flights are one-offs has the square of a small prior probability and is neglected.
 """
 
