@@ -292,7 +292,7 @@ class Panels(Container):
             self.query_one("#evidence", Static).update(verdict(self.found, system))
             self._system = system
             rows = ranking_rows(self.found.diagnosis, system)
-            heads = [Head("candidate effect", 0), Head("chance", 6, True), Head("evidence", 8, True)]
+            heads = [Head("effect", 0), Head("chance", 6, True), Head("evidence", 8, True)]
             heads.append(Head("strength", 16))
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
