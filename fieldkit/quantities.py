@@ -29,13 +29,15 @@ SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 """The unit shown instead of a column's; columns not listed keep theirs. Acceleration stays in g."""
 
 DECIMALS: Mapping[str, int] = MappingProxyType(
-    {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
+    {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "lb": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
     | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2, "1/kft": 2, "J": 0, "ft lbf": 0}
 )
 """Decimal digits by unit."""
 
 SHORT_LENGTHS = ("rail_length",)
 """Columns of a few feet, shown in tenths of them: a rail of 1 m is 3.3 ft, not 3 ft."""
+MIN_POUNDS = 5 * units.POUND
+"""Mass from which text has pounds instead of ounces. [kg]"""
 MIN_GROUPED = 1000
 """Counts from here on have commas between thousands. [1]"""
 
@@ -79,13 +81,18 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
     `digits` is the number of decimals in that unit, by default those of `DECIMALS`. A shown unit with at most as many
     decimals, such as the foot, has at most `digits`; one with more, such as the ounce, keeps its own.
     """
-    shown = SYSTEMS[system].get(unit, unit)
+    shown = _as_weighed(SYSTEMS[system].get(unit, unit), value)
     places = DECIMALS.get(shown, 0)
     if digits is not None and (shown == unit or places <= DECIMALS[unit]):
         places = digits if shown == unit else min(digits, places)
     scale = units.unit(_QUANTITY[unit], shown.replace(" ", ""))
     number = round(scale.from_si(value), places) + 0.0  # zero is never negative
     return with_unit(f"{number:.{places}f}", shown)
+
+
+def _as_weighed(unit: str, *masses: float) -> str:
+    """Pounds instead of ounces for the mass of a heavy rocket, as a scale shows it; any other unit unchanged."""
+    return "lb" if unit == "oz" and max(masses) >= MIN_POUNDS else unit
 
 
 _OF_SI = {
@@ -125,7 +132,7 @@ def _written(one: Amount, system: str) -> str:
         return with_unit(" to ".join(rounded(value * factor, digits) for value in one.values), feet)
     if one.style == PER_WIND_STYLE:
         return ShownUnits(system).per_wind(one.values[0])
-    unit = SYSTEMS[system][grams]
+    unit = _as_weighed(SYSTEMS[system][grams], *one.values)
     scale = units.unit(_QUANTITY[grams], unit.replace(" ", ""))
     if one.style == FINE_STYLE:
         return with_unit(f"{scale.from_si(one.values[0]):.1f}", unit)
@@ -133,7 +140,7 @@ def _written(one: Amount, system: str) -> str:
         digits = int(one.style.removeprefix(ROUNDED_STYLE))
         return with_unit(" to ".join(rounded(scale.from_si(value), digits) for value in one.values), unit)
     *low, high = (written(value, one.unit, system, int(one.style)) for value in one.values)
-    return " to ".join([*(end.split()[0] for end in low), high])
+    return " to ".join([*(end if unit == "lb" else end.split()[0] for end in low), high])
 
 
 def area_unit(system: str) -> tuple[str, float]:

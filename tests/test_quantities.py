@@ -46,7 +46,7 @@ def test_degrees_and_percent_follow_their_number_without_a_space(name: str, valu
         (f"a site: {estimate(-120.0, 60.0, 'm')}", "a site: -120 ± 60 m", "a site: -394 ± 197 ft"),
         (f"days: {estimate(5.0, 2.5, 'K')}", "days: 5.0 ± 2.5 K", "days: 9.0 ± 4.5 °F"),
         (amount(3.0, "m", to=200.0), "3 to 200 m", "10 to 656 ft"),
-        (of_column(BY_NAME["dry_mass"], 90.0), "90000 g", "3175 oz"),
+        (of_column(BY_NAME["dry_mass"], 90.0), "90000 g", "198.4 lb"),
         (of_column(BY_NAME["peak_accel"], 98.0665), "10 g", "10 g"),
         (of_column(BY_NAME["diameter"], 0.254), "254 mm", "10 in"),
         (of_column(BY_NAME["temperature"], 283.15, 293.15), "10 to 20 °C", "50 to 68 °F"),
@@ -136,3 +136,11 @@ def test_a_value_has_the_digits_that_its_standard_deviation_supports(value: floa
 )
 def test_no_chance_is_certain_or_impossible(probability: float, text: str) -> None:
     assert percent(probability) == text
+
+
+def test_a_heavy_rocket_is_weighed_in_pounds() -> None:
+    """As a scale shows it: nobody says that a rocket weighs 144 oz."""
+    assert ShownUnits("US").mass(4.0823) == "9.00 lb"
+    assert ShownUnits("US").mass(0.322) == "11.36 oz"
+    assert ShownUnits("SI").mass(4.0823) == "4082 g"
+    assert in_system(message(amount(0.1, "g", 0, 9.07)), "US") == "3.53 oz to 20.00 lb"
