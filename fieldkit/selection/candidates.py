@@ -15,6 +15,8 @@ from fieldkit.shapes import Array, Flags, Float
 
 EACH_GROUP = "each"
 """The place of an effect with a separate strength in every group."""
+ORDINALS = {2: "second", 3: "third"}
+"""The numbers of flights after which patterns repeat, as ordinals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +59,8 @@ class Pattern:
         """For a flyer: `a trend with the hour of the day`, `a change from flight 4 on`."""
         if self.kind == "lasting":
             return f"a change from flight {self.of} on"
+        if self.kind == "repeated":
+            return f"every {ORDINALS[self.every]} flight, {self.of} among them"
         return f"a trend with {self.follows}" if self.smooth else self.follows
 
 

@@ -4,14 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.selection.candidates import Pattern
+from fieldkit.selection.candidates import ORDINALS, Pattern
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.recorded_columns import column_in_words, value_in_words
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
 from fieldkit.shapes import Array, Flags, Float
-
-ORDINALS = {2: "second", 3: "third"}
-"""The numbers of flights after which patterns repeat, as ordinals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +59,7 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
     if best and pattern and best.probability > 0.5:
         weight = best.best.candidate.terms[0].weight
         if pattern.smooth:
-            return Leftover(pattern.follows, np.zeros(len(error), bool), 0.0, 0.0)
+            return Leftover(pattern.in_words, np.zeros(len(error), bool), 0.0, 0.0)
         sorts = set(np.unique(weight)) <= {0.0, 1.0}
         name = _pattern_words(pattern) if sorts or pattern.kind == "hour" else f"with {pattern} above its median"
         return _compared(name, weight > (0 if sorts else np.median(weight)), error)
@@ -107,6 +104,6 @@ def _pattern_words(pattern: Pattern) -> str:
         case "lasting":
             return f"from {pattern.of} on"
         case "repeated":
-            return f"that are every {ORDINALS[pattern.every]} one, as {pattern.of}"
+            return f"in every {ORDINALS[pattern.every]} place, {pattern.of} among them,"
         case _:
             return f"with {pattern}"

@@ -175,7 +175,7 @@ def _unexplained(posterior: SetPosterior) -> str:
     if UNEXPLAINED in likely:
         best = posterior.best(likely)
         pattern = next(place.pattern for place in best.places if place.pattern)
-        return f"misses follow {pattern.follows}, and no known effect explains them"
+        return f"misses follow {pattern.in_words}, and no known effect explains them"
     names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
     return f"the flights differ from the model, but no known effect is probable enough to name ({names})"
 

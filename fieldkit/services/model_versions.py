@@ -8,8 +8,7 @@ from fieldkit.errors import BadValue
 from fieldkit.forecast.conformal import are_numbers
 from fieldkit.ledger import Version
 from fieldkit.physics.effect import effect_named
-from fieldkit.selection.candidates import Averaged, Pattern, Place, Switched
-from fieldkit.selection.unexplained import ORDINALS
+from fieldkit.selection.candidates import ORDINALS, Averaged, Pattern, Place, Switched
 
 KINDS = get_args(get_type_hints(Pattern)["kind"])
 """The kinds of patterns."""

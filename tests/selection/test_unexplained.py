@@ -11,8 +11,8 @@ pytestmark = pytest.mark.fast
 @pytest.mark.parametrize(
     ("pattern", "words"),
     [
-        (Pattern("repeated", "F1", every=2), "that are every second one, as F1"),
-        (Pattern("repeated", "F1", every=3), "that are every third one, as F1"),
+        (Pattern("repeated", "F1", every=2), "in every second place, F1 among them,"),
+        (Pattern("repeated", "F1", every=3), "in every third place, F1 among them,"),
         (Pattern("lasting", "F5"), "from F5 on"),
         (Pattern("site", "mead"), "from mead"),
         (Pattern("day", "2026-05-02"), "on 2026-05-02"),
