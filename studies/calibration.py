@@ -10,7 +10,8 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -50,10 +51,14 @@ class TruthRank:
     log_cd: float
 
 
-def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> TruthRank:
-    """Draw a ledger, forecast the next flight of its last rocket, and rank the truth."""
+def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS, flights: int | None = None) -> TruthRank:
+    """Draw a ledger, forecast the next flight of its last rocket, and rank the truth. The last rocket has flown
+    `flights`, by default a random number."""
     rng = np.random.default_rng([SEED, number])
-    histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
+    recipes = [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))]
+    if flights is not None:
+        recipes[-1] = replace(recipes[-1], flights=flights, motors=min(recipes[-1].motors, flights))
+    histories = ledger(rng, recipes, hyperprior)
     asked = histories[-1]
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
     fitted = learn(
@@ -76,8 +81,8 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Tr
     )
 
 
-def _ranked(number: int) -> TruthRank:
-    return ranked(number, learned())
+def _ranked(number: int, flights: int | None) -> TruthRank:
+    return ranked(number, learned(), flights=flights)
 
 
 def _seen(history: GeneratedHistory) -> set[str]:
@@ -157,10 +162,11 @@ def main(arguments: list[str] | None = None) -> None:
     """Read the command line, draw ledgers and forecast, print the table and save it if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--ledgers", type=int, default=LEDGERS)
+    parser.add_argument("--flights", type=int, metavar="N", help="Every rocket that is forecast has flown N times.")
     parser.add_argument("--table", type=Path, metavar="FILE")
     asked = parser.parse_args(arguments)
     with processes(os.cpu_count() or 1) as pool:
-        found = list(pool.map(_ranked, range(asked.ledgers), chunksize=CHUNK))
+        found = list(pool.map(partial(_ranked, flights=asked.flights), range(asked.ledgers), chunksize=CHUNK))
     text = "\n".join([f"{asked.ledgers} ledgers from seed {SEED}:", "", *table(found), ""])
     sys.stdout.write(text)
     if asked.table:

@@ -150,11 +150,10 @@ def _beside_others(ledger: "Ledger", flight: "Flight") -> "FlightBesideOthers | 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
     """The samples of a flight; None if they cannot be read again, and the card is printed without them."""
-    from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.replay import recording_of
 
     try:
-        return recording_of(ledger, id, list(remembered()))
+        return recording_of(ledger, id)
     except FieldkitError as error:
         complain(f"note: {error}")
         return None

@@ -29,12 +29,11 @@ def remeasure(
     json: AsJson = False,
 ) -> None:
     """Measure the logs of flights again; what you typed or edited is not changed. Can be undone."""
-    from fieldkit.importing.tables.mapping import remembered
     from fieldkit.ledger import Renewal
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.imports import Remeasured, remeasured
 
-    choices, found, without, errors = list(remembered()), list[Remeasured](), 0, dict[str, str]()
+    found, without, errors = list[Remeasured](), 0, dict[str, str]()
     if flights and rocket:
         raise typer.BadParameter("found flights and --rocket, expected one of the two")
     with open_ledger(context) as ledger:
@@ -43,7 +42,7 @@ def remeasure(
             for place, id in enumerate(ids):
                 on_progress(id, place / len(ids))
                 try:
-                    one = remeasured(ledger, id, choices)
+                    one = remeasured(ledger, id)
                 except FieldkitError as error:
                     if isinstance(error, UnusableLedger) or (flights and len(flights) == 1):
                         raise

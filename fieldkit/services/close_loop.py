@@ -45,7 +45,7 @@ def close_loop(
     `given` are effects that the flyer knows to be present, whatever the evidence, and `declined` those known to be
     absent. A version is saved only if it differs from the current one. Raises NoFlights for fewer than four clean
     flights with an apogee, UnknownEffect for a given effect that these flights cannot show, BadValue for a recovery
-    figure or rail direction that cannot be read.
+    figure or rail direction that cannot be read, FieldkitError if the columns chosen for a log cannot be read.
     """
     history = flown_and_planned(flown(ledger, motors, rocket))
     used_in_fit = [flight.clean and flight.apogee is not None for flight in history.flights]

@@ -27,7 +27,8 @@ class CoastDrag:
 
 
 def coast_drag(ledger: Ledger, id: str) -> CoastDrag | None:
-    """Drag in the coast of a flight of the ledger; None without a log that shows it. Raises LedgerError."""
+    """Drag in the coast of a flight of the ledger; None without a log that shows it. Raises LedgerError, and
+    FieldkitError if saved choices of columns are needed and cannot be read."""
     log = flight_log(ledger, id)
     return None if log is None or log.drag is None else against_time(log.drag)
 

@@ -1,8 +1,9 @@
 """What the logs of flights show of thrust and drag, measured once and kept in the data folder.
 
 To read and measure a log takes 0.2 to 0.4 s. The result depends on the bytes of the flight's files, on which flight in
-them it is, and on fieldkit's own code and tables; the digest of all that names the file that keeps it. So whatever
-changes, nothing out of date is found. The folder may be deleted at any time.
+them it is, on the columns that the user chose for a table, and on fieldkit's own code and tables; the digest of all
+that names the file that keeps it. So whatever changes, nothing out of date is found. The folder may be deleted at any
+time.
 """
 
 import json
@@ -43,7 +44,8 @@ _FORCE_SAMPLES = tuple(name for name in Forces.__slots__ if name not in ("window
 def flight_logs(
     ledger: Ledger, flights: Sequence[Flight], on_progress: ReportProgress = no_op
 ) -> dict[str, FlightLog | str]:
-    """What the log of each flight that has one shows, by flight id, or the reason it cannot be read."""
+    """What the log of each flight that has one shows, by flight id, or the reason it cannot be read. Raises
+    FieldkitError if saved choices of columns are needed and cannot be read."""
     logged = [flight for flight in flights if flight.has_log]
     found: dict[str, FlightLog | str] = {}
     recordings = FlightRecordings(ledger)
@@ -64,7 +66,8 @@ def flight_logs(
 def flight_log(ledger: Ledger, id: str, recordings: FlightRecordings | None = None) -> FlightLog | None:
     """What the log of a flight of the ledger shows; None without a log, and for one that a simulator wrote.
 
-    Raises LedgerError for an unknown id, and if it is unclear which flight of a log it is.
+    Raises LedgerError for an unknown id, and if it is unclear which flight of a log it is, FieldkitError if saved
+    choices of columns are needed and cannot be read.
     """
     file = _file_of(ledger, id)
     if file is None:
@@ -86,7 +89,7 @@ def _file_of(ledger: Ledger, id: str) -> Path | None:
     if files is None:
         return None
     flight = ledger.flight(id)
-    which = repr((files.format, flight.flight_id, flight.date_time, flight.extra.get("log_part")))
+    which = repr((files.format, files.choices, flight.flight_id, flight.date_time, flight.extra.get("log_part")))
     parts = [_program(), which.encode(), files.log, *files.others]
     return data_file("measured") / f"{sha256(b''.join(sha256(part).digest() for part in parts)).hexdigest()}"
 

@@ -40,14 +40,13 @@ class FlightRecordings:
     A file that holds several flights is read once if they are requested one after the other.
     """
 
-    def __init__(self, ledger: Ledger, choices: Sequence[ColumnChoice] = ()) -> None:
-        """`choices` assign columns of tables of samples to channels, best first."""
-        self._ledger, self._choices = ledger, choices
+    def __init__(self, ledger: Ledger) -> None:
+        self._ledger = ledger
         self._last: tuple[StoredFiles, list[Reading]] | None = None
 
     def of(self, id: str) -> Recording | None:
         """The samples of a flight; None if it has none. Raises LedgerError for an unknown id, and if it is unclear
-        which flight of a log it is."""
+        which flight of a log it is, FieldkitError if saved choices of columns are needed and cannot be read."""
         files = stored_files(self._ledger, id)
         if files is None:
             return None
@@ -59,15 +58,15 @@ class FlightRecordings:
     def _read(self, files: StoredFiles, id: str) -> list[Reading]:
         """The recorded flights of some files, or else the simulations; empty without samples."""
         try:
-            readings = read_recordings(files.log, id, files.format, self._choices, files.others)
+            readings = read_recordings(files.log, id, files.format, files.choices, files.others)
         except (DamagedLog, UnknownFormat):
             return []
         return [one for one in readings if one.describes == "flight"] or readings
 
 
-def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
+def recording_of(ledger: Ledger, id: str) -> Recording | None:
     """The samples of one flight of the ledger, as `FlightRecordings` reads them."""
-    return FlightRecordings(ledger, choices).of(id)
+    return FlightRecordings(ledger).of(id)
 
 
 def track_of(ledger: Ledger, id: str) -> Series:
@@ -106,7 +105,7 @@ def recordings(
         return _in_file(path, format, choices)
     if ledger is None:
         raise NoFlights(f"{what}: no such file")
-    found = recording_of(ledger, what, choices)
+    found = recording_of(ledger, what)
     return [found or _by_readouts(ledger.flight(what), what)]
 
 

@@ -15,6 +15,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.services.replay import recording_of
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
 from tests.commands import Run
+from tests.samples import SAMPLES
 
 CHECK_SHAPES = False
 
@@ -87,6 +88,25 @@ def test_several_flights_in_a_log_are_distinguished_and_recognized_again(run: Ru
             assert found is not None
             assert found.recorded.figures["apogee"].value == pytest.approx(flown(rocket).readouts()["apogee"], abs=2)
             assert found.recorded.forces is not None
+
+
+def test_a_table_is_read_again_with_the_columns_that_were_chosen(run: Run, tmp_path: Path) -> None:
+    """In the loop, the app and reports as in the import; other logs need no saved choices."""
+    (series,) = log(flown(SMALL), Logger(), np.random.default_rng(0))
+    rows = "".join(f"{time:.3f};{height:.2f}\n" for time, height in zip(series.time, series.altitude, strict=True))
+    (tmp_path / "odd.csv").write_text("Zeit;Hoch\n" + rows)
+    sample = next(sample for sample in SAMPLES if sample.name == "rrc3__feet_and_commas.csv")
+    chosen = ("--map", "time=Zeit [s]", "--map", "altitude=Hoch [m]")
+    (odd,) = json.loads(run("import", tmp_path / "odd.csv", *chosen, "--json")[1])["flights"]
+    (plain,) = json.loads(run("import", sample, "--json")[1])["flights"]
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        found = recording_of(ledger, odd)
+        assert found is not None
+        assert found.recorded.figures["apogee"].value == pytest.approx(flown(SMALL).readouts()["apogee"], abs=2)
+        (tmp_path / "home" / "mappings.json").write_text("damaged")
+        assert recording_of(ledger, plain) is not None
+        with pytest.raises(FieldkitError, match=r"mappings\.json: cannot be read as saved mappings"):
+            recording_of(ledger, odd)
 
 
 def test_a_flight_without_a_log_has_no_recording(run: Run, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.read import read_stored
 from fieldkit.importing.recognize import parsers
+from fieldkit.importing.tables.mapping import remembered
 from fieldkit.quantities import counted
 from fieldkit.services.imports.within_motor import within_motor
 
@@ -53,23 +54,25 @@ class Remeasured:
 
 @dataclass(frozen=True, slots=True)
 class StoredFiles:
-    """The original bytes of a flight's log and of its additional files, and the parser that reads the log."""
+    """The original bytes of a flight's log and of its additional files, the parser that reads the log, and the user's
+    choices of columns if that parser may need one, latest first."""
 
     log: bytes
     format: str | None
     others: tuple[bytes, ...] = ()
+    choices: tuple[ColumnChoice, ...] = ()
 
 
-def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> Remeasured | None:
+def remeasured(ledger: "Ledger", id: str) -> Remeasured | None:
     """A flight of the ledger with its files read again; None if no file has samples.
 
-    `choices` assign columns of tables of samples to channels, best first. Raises LedgerError for an unknown id, or if
-    it is unclear which flight of a log it is, and DamagedLog or UnknownFormat for a log that no parser reads anymore.
+    Raises LedgerError for an unknown id, or if it is unclear which flight of a log it is, DamagedLog or UnknownFormat
+    for a log that no parser reads anymore, and FieldkitError if saved choices of columns cannot be read.
     """
-    flight, log = ledger.flight(id), ledger.log(id)
-    if log is None or "log_format" not in flight.extra:
+    flight, files = ledger.flight(id), stored_files(ledger, id)
+    if files is None or "log_format" not in flight.extra:
         return None
-    fresh = read_stored([log, *ledger.other_logs(id)], id, format_of(flight), choices)
+    fresh = read_stored([files.log, *files.others], id, files.format, files.choices)
     entered = ledger.entered(id)
     read = _within(as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, "")), flight)
     kept = tuple(c.name for c in MEASURED if _stays(c, flight, entered, read))
@@ -84,11 +87,14 @@ def _within(fresh: Flight, flight: Flight) -> Flight:
 
 
 def stored_files(ledger: "Ledger", id: str) -> StoredFiles | None:
-    """The files of a flight of the ledger; None if it has none. Raises LedgerError for an unknown id."""
+    """The files of a flight of the ledger; None if it has none. Raises LedgerError for an unknown id, FieldkitError if
+    saved choices of columns are needed and cannot be read."""
     flight, log = ledger.flight(id), ledger.log(id)
     if log is None:
         return None
-    return StoredFiles(log, format_of(flight), tuple(ledger.other_logs(id)))
+    format = format_of(flight)
+    by_columns = format is None or parsers()[format].mapped is not None
+    return StoredFiles(log, format, tuple(ledger.other_logs(id)), remembered() if by_columns else ())
 
 
 def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
