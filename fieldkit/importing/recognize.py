@@ -64,15 +64,24 @@ def claims(log: bytes) -> list[str]:
     return []
 
 
-def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
-    """Names of the parsers to try, highest score first; if the user maps the columns, one that accepts a mapping."""
+def _candidates(
+    log: bytes,
+    format: str | None,
+    source: str,
+    choices: Sequence[ColumnChoice] = (),
+    claimed: list[str] | None = None,
+) -> list[str]:
+    """Names of the parsers to try, highest score first; if the user maps the columns, one that accepts a mapping.
+
+    `claimed` are those that recognize the log, if known.
+    """
     mapped = any(not choice.headers for choice in choices)
     place, known, kind = f"{source}: " if source else "", parsers(), _kind_of(log, choices)
     takers = [name for name, parser in known.items() if parser.mapped and parser.maps == kind]
     if format is not None:
         check_format(format, place)
         claimed = [format]
-    else:
+    elif claimed is None:
         claimed = claims(log)
     chosen = mapped or _chosen(log, choices) is not None
     if chosen and (not claimed or (known[claimed[0]].fallback and claimed[0] not in takers)):
@@ -170,10 +179,10 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     If none does, or a simulator's parser cannot read it, the result is that of the highest-scoring parser. Raises
     UnknownFormat, or that parser's DamagedLog.
     """
-    sheet = _sheet_of(log, source)
+    sheet, claimed = _sheet_of(log, source)
     log, others = sheet.content, sheet.others
     try:
-        names = _candidates(log, format, source, choices)
+        names = _candidates(log, format, source, choices, claimed)
     except DamagedLog as error:
         raise shown_damage(error, source) from error
     tried: list[ParsedLog | DamagedLog] = []
@@ -207,20 +216,23 @@ def _beside(opened: ParsedLog, others: Sequence[str]) -> ParsedLog:
 
 def table_of(log: bytes, source: str) -> bytes:
     """The text that parsers read from a log: see `_sheet_of`. Raises DamagedLog."""
-    return _sheet_of(log, source).content
+    return _sheet_of(log, source)[0].content
 
 
-def _sheet_of(log: bytes, source: str) -> SheetTable:
-    """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track or labeled values. Raises DamagedLog."""
+def _sheet_of(log: bytes, source: str) -> tuple[SheetTable, list[str] | None]:
+    """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track or labeled values; and the names of the
+    parsers that recognize it, if they had to be asked. Raises DamagedLog."""
     if not is_spreadsheet(log):
         log = unwrapped(log).replace("\N{MINUS SIGN}".encode(), b"-")  # as spreadsheets of some countries write it
-        table = fixes_table(log) or track_table(log) or labeled_table(log)
+        table, claimed = fixes_table(log) or track_table(log) or labeled_table(log), claims(log)
         if table is not None:
-            return SheetTable(log if claims(log) else table)
-        ways = chain(unstamped(log) or (), in_other_encodings(log) if not claims(log) else ())
-        return SheetTable(next((one for one in ways if claims(one)), log))
+            return (SheetTable(log), claimed) if claimed else (SheetTable(table), None)
+        for one in chain(unstamped(log) or (), () if claimed else in_other_encodings(log)):
+            if own := claims(one):
+                return SheetTable(one), own
+        return SheetTable(log), claimed
     try:
-        return as_csv(log, lambda sheet: bool(claims(sheet)))
+        return as_csv(log, lambda sheet: bool(claims(sheet))), None
     except DamagedLog as error:
         raise shown_damage(error, source) from error
 
