@@ -8,11 +8,12 @@ import pytest
 
 from fieldkit.analysis import Forces
 from fieldkit.analysis.force_profile import DragLikelihood, DragProfile
+from fieldkit.importing.reading import ColumnChoice
 from fieldkit.ledger import Ledger
 from fieldkit.paths import HOME, data_file
 from fieldkit.selection.logged_forces import FlightLog
 from fieldkit.services import flight_logs
-from fieldkit.services.imports import bring_in
+from fieldkit.services.imports import bring_in, remeasure
 from fieldkit.services.replay import FlightRecordings, Recording
 from tests.samples import SAMPLES, any_motor
 
@@ -21,6 +22,7 @@ pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
 
 RRC3 = next(sample for sample in SAMPLES if sample.name == "rrc3__feet_and_commas.csv")
+TABLE = next(sample for sample in SAMPLES if sample.name == "mapped_table__time_three_axes_total_and_feet.csv")
 TWO_FLIGHTS = next(sample for sample in SAMPLES if sample.name == "bdureau__two_flights_and_telemetry_between.txt")
 
 
@@ -78,6 +80,17 @@ def test_another_program_measures_again(ledger: Ledger, measured: list[str], mon
     monkeypatch.setattr(flight_logs, "_program", lambda: b"tomorrow's")
     shown(ledger)
     assert len(measured) == 2
+
+
+def test_another_choice_of_columns_measures_again(
+    ledger: Ledger, measured: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bring_in(ledger, [TABLE], any_motor)
+    table = ledger.ids(ledger.flights())[-1]
+    for choices in ((), (), (ColumnChoice({"altitude": "height"}, ("another table",)),)):
+        monkeypatch.setattr(remeasure, "remembered", lambda choices=choices: choices)
+        assert flight_logs.flight_log(ledger, table) is not None
+    assert measured == [table, table]
 
 
 def test_the_program_is_every_module_and_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
