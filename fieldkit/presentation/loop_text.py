@@ -15,7 +15,7 @@ from fieldkit.presentation.one_off_text import one_off_lines
 from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
-from fieldkit.services.findings import Findings, NextFlight
+from fieldkit.services.findings import Findings, RepeatedFlight
 
 BARS = "▁▂▃▄▅▆▇█"
 """Characters of the bars, from zero to the largest miss."""
@@ -166,7 +166,7 @@ def climbs(found: Findings) -> Iterator[str]:
     yield from forces_in_words(found.diagnosis.forces)
 
 
-def in_next_flight(one: NextFlight, system: str = "SI") -> str:
+def in_next_flight(one: RepeatedFlight, system: str = "SI") -> str:
     """The forecast, and its change: `next F24 in the same conditions: 281 m, ...; 5 m (1.7%) lower than with the plain
     model`."""
     change, shown = one.after - one.before, ShownUnits(system)

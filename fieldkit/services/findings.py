@@ -57,7 +57,7 @@ class Compared:
 
 
 @dataclass(frozen=True, slots=True)
-class NextFlight:
+class RepeatedFlight:
     """Forecasts of repeating the last flight: the apogee by the plain model and by the model average, with the latter's
     90% interval. [m]"""
 
@@ -88,7 +88,7 @@ class Findings:
     fingerprints: tuple[tuple[Trial, tuple[FingerprintMark, ...]], ...]
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
-    next_flight: NextFlight
+    next_flight: RepeatedFlight
     excluded: tuple[str, ...] = ()
     """Notes on the clean flights that the fit did not use."""
     flights: tuple[FlightBesideOthers, ...] = ()
@@ -101,7 +101,7 @@ def findings(
     rocket: str,
     diagnosis: Diagnosis,
     on_progress: ReportProgress = no_op,
-    upcoming: NextFlight | None = None,
+    upcoming: RepeatedFlight | None = None,
 ) -> Findings:
     """The findings for a diagnosis. `upcoming` is by default forecast from the diagnosed flights alone. Raises BadValue
     for a recovery figure or rail direction that cannot be read."""
@@ -139,14 +139,14 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
     return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
-def next_flight(history: FlownFlights, assumed: Assumed, *, fits: Fits | None = None) -> NextFlight:
+def next_flight(history: FlownFlights, assumed: Assumed, *, fits: Fits | None = None) -> RepeatedFlight:
     """The forecasts of repeating the last flight, without any effect and as assumed; arguments as in `predict`."""
     last, motor = history[-1]
     plan = [(last.unflown(tags=()), motor)]
     none = replace(assumed, sets=(), declared=False)
     (before,), (after,) = (predict(history, plan, one, draws=NEXT_FLIGHT_DRAWS, fits=fits) for one in (none, assumed))
     low, middle, high = after.apogee_quantiles()
-    return NextFlight(last, before.apogee_quantiles()[1], middle, (low, high))
+    return RepeatedFlight(last, before.apogee_quantiles()[1], middle, (low, high))
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
