@@ -35,7 +35,7 @@ from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.headings import heading
 from fieldkit.importing.tables.layout import Layout, layout_of
 from fieldkit.importing.tables.mapping import choice_for
-from fieldkit.importing.tables.pad_state import along_thrust
+from fieldkit.importing.tables.pad_state import BOOST_FORCE, along_thrust
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import epoch_unit
 from fieldkit.quantities import counted
@@ -47,6 +47,8 @@ SENDER, SENDERS, MOST_SENDERS = "sender", frozenset({"tracker", "callsign", "dev
 """The column of words that names who sent a row, the words of its header, and the largest number of senders. [1]"""
 COMPUTED = frozenset({"thrust", "drag", "cd", "cp", "cg", "margin", "damping", "reynolds", "angle of attack"})
 """Words of columns that are computed, not measured."""
+FREE_FALL = 0.3 * STANDARD_GRAVITY
+"""Magnitude below which an accelerometer is in free fall: it feels drag alone. [m/s^2]"""
 MIN_FLIGHT_ROWS = 10
 """Smallest number of rows between two jumps of a clock that form a flight, if there is a longer one. [1]"""
 
@@ -233,6 +235,11 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
             )
         )
     readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]
+    found += [
+        Note(f"an acceleration that is never negative has no direction, so {shown(name)} is not used")
+        for name in ("felt", "acceleration")
+        if name in values and _has_no_sign(values[name])
+    ]
     return [*readings, *found]
 
 
@@ -245,9 +252,13 @@ def _oldest_first(table: LogTable) -> LogTable:
 
 def _with_total(table: LogTable) -> LogTable:
     """The table with the magnitude of three axes and the acceleration along the rocket, if it lacks these."""
-    if not all(name in table.values for name in AXES):
-        return table
     values = dict(table.values)
+    if "felt" in values and _has_no_sign(values["felt"]):
+        values.setdefault("felt_total", values.pop("felt"))
+    if "acceleration" in values and _has_no_sign(values["acceleration"]):
+        del values["acceleration"]
+    if not all(name in values for name in AXES):
+        return LogTable(values, table.rows)
     axes = np.stack([values[name] for name in AXES])
     total = np.sqrt((axes**2).sum(axis=0))
     if "felt" in values and _is_total(values["felt"], total):
@@ -257,6 +268,13 @@ def _with_total(table: LogTable) -> LogTable:
     if along is not None:
         values["felt"] = along
     return LogTable(values, table.rows)
+
+
+def _has_no_sign(felt: Float[Array, "row"]) -> bool:
+    """Whether an acceleration of a boost is a magnitude: it is close to zero at times, as in a coast, and never below
+    it, although gravity or the drag of a coast slows a rocket down."""
+    there = felt[np.isfinite(felt)]
+    return there.size > 0 and float(there.max()) > BOOST_FORCE and 0 <= float(there.min()) < FREE_FALL
 
 
 def _is_total(felt: Float[Array, "row"], total: Float[Array, "row"]) -> bool:

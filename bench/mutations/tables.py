@@ -32,9 +32,13 @@ class Sheet:
     encoding: str = "utf-8"
     path: Path | None = None
     """The flight that it shows, if it is another one."""
+    other: bytes = b""
+    """The file, if it is no table."""
 
     def text(self) -> bytes:
         """The bytes of the file."""
+        if self.other:
+            return self.other
         rows = zip(*(cells for _, cells in self.columns), strict=True)
         names = self.separator.join(name for name, _ in self.columns)
         body = "\n".join([names, *([self.units] if self.units else []), *(self.separator.join(row) for row in rows)])

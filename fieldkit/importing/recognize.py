@@ -11,6 +11,7 @@ from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.flight_headings import plain, table_names
+from fieldkit.importing.tables.json_columns import columns_table
 from fieldkit.importing.tables.labeled_lines import labeled_table
 from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
@@ -220,11 +221,12 @@ def table_of(log: bytes, source: str) -> bytes:
 
 
 def _sheet_of(log: bytes, source: str) -> tuple[SheetTable, list[str] | None]:
-    """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track or labeled values; and the names of the
-    parsers that recognize it, if they had to be asked. Raises DamagedLog."""
+    """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track, JSON or labeled lines; and the names of
+    the parsers that recognize it, if they had to be asked. Raises DamagedLog."""
     if not is_spreadsheet(log):
         log = unwrapped(log).replace("\N{MINUS SIGN}".encode(), b"-")  # as spreadsheets of some countries write it
-        table, claimed = fixes_table(log) or track_table(log) or labeled_table(log), claims(log)
+        table = fixes_table(log) or track_table(log) or columns_table(log) or labeled_table(log)
+        claimed = claims(log)
         if table is not None:
             return (SheetTable(log), claimed) if claimed else (SheetTable(table), None)
         for one in chain(unstamped(log) or (), () if claimed else in_other_encodings(log)):

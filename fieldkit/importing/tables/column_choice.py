@@ -18,10 +18,12 @@ from fieldkit.importing.tables.headings import (
     estimated,
     heading,
     is_pressure,
+    is_time_step,
     stated_unit,
     unit_named,
 )
 from fieldkit.importing.tables.layout import Layout
+from fieldkit.importing.tables.positions import falls_in_a_climb, is_elevation, points_down, third_axis
 from fieldkit.importing.tables.text import no_column, shown
 from fieldkit.importing.tables.unit_inference import settle_pressure
 from fieldkit.shapes import Array, Float
@@ -53,6 +55,8 @@ _LONGEST_INTERVAL = 20.0
 """Time between rows that no log of a flight has. [s]"""
 _MUCH = 0.2
 """A sensor that stays constant while another changes by this fraction of its range has failed. [1]"""
+_RISES = 0.9
+"""Fraction of rows from which a column of times that is named after steps is a clock all the same. [1]"""
 _HOUR = 3600.0
 LIMIT = 1e12
 """Largest magnitude of a sample; anything beyond is damaged. [any unit except of time]"""
@@ -123,10 +127,23 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
                 for place, head in enumerate(heads)
                 if of_a_filter(head) and not layout.says(place) and (columns is None or place in columns)
             ]
+    if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
+        picks += _by_position(layout, {i: head for i, head in enumerate(heads) if columns is None or i in columns})
     picks = _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
     if layout.interval and layout.named and "time" not in {pick.channel for pick in picks}:
         picks.append(_row_clock(layout, layout.interval))
     return picks
+
+
+def _by_position(layout: Layout, heads: Mapping[int, Heading]) -> list[Pick]:
+    """The height in a table of positions: their third axis, or the elevation beside a latitude."""
+    heads = {i: head for i, head in heads.items() if not layout.says(i)}
+    name, place = "altitude", third_axis(heads)
+    if any(channel(head) == "latitude" for head in heads.values()):
+        name, place = "gps_altitude_msl", next((i for i, head in heads.items() if is_elevation(head)), place)
+    if place is None:
+        return []
+    return [Pick(name, place, heads[place].spelled, stated_unit(heads[place], name) or layout.suffix(place))]
 
 
 def _row_clock(layout: Layout, interval: float) -> Pick:
@@ -192,6 +209,7 @@ def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
         pick for pick in clocks if not (pick.name[:1] == "T" and "t" in small and len(heading(pick.name).words[0]) == 1)
     ]
     clocks.sort(key=lambda pick: bool(pick.unit) and pick.unit != "clock" and not unit_named("time", pick.unit))
+    clocks.sort(key=lambda pick: is_time_step(heading(pick.name)))
     clocks.sort(key=lambda pick: _only_parts_a_time(pick.name))
     return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
 
@@ -269,6 +287,8 @@ def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     values = table.values[f"{pick.place}"]
     if pick.unit == "clock":
         return _over_midnight(values)
+    if pick.channel == "time" and is_time_step(heading(pick.name)) and float((np.diff(values) > 0).mean()) < _RISES:
+        return np.nancumsum(values)
     if pick.channel == "time":
         within_minute = len(heading(pick.name).words) == 1 and plain(pick.unit or pick.name) == "s"
         return _running_on(_of_digits(values), (60.0,) if within_minute else ())
@@ -291,6 +311,10 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
     columns = {pick.place: _column(pick, table) for pick in picks}
+    for place, pick in enumerate(picks := list(picks)):
+        if pick.channel in HEIGHTS and points_down(heading(pick.name), columns[pick.place]):
+            columns[pick.place] = -columns[pick.place]
+            picks[place] = replace(pick, name=f"-{pick.name}")
     picks = _with_satellite_height([pick for pick in picks if not np.isnan(columns[pick.place]).all()], columns)
     moving = {pick.channel for pick in picks if not _is_stuck(columns[pick.place])}
     for pick in picks:
@@ -324,6 +348,9 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
             )
         if from_zero[1]:  # a height above the pad next to one above the sea
             kept[kept.index(rival)], values[pick.channel] = pick, column
+    height = next((values[name] for name in HEIGHTS if name in values), None)
+    if height is not None and "speed" in values and falls_in_a_climb(values["speed"], height):
+        values["speed"] = -values["speed"]
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected at least one")
     return kept, values

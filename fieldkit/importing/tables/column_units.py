@@ -158,11 +158,20 @@ def _settled(
     si = {name: one for name, one in {"time": "s", "altitude": "m", "speed": "m/s"}.items() if name in units}
     values = {**values, **{name: to_si(units[name][0], values[name]) for name in si}}
     known = {**known, **si}
+    height = next((name for name in HEIGHTS if name in values), "")
     by_height, known_by_height = values, known
-    if "altitude" not in values and "pressure" in values:
+    if height not in ("altitude", ""):
+        of_height = to_si(units[height][0], values[height]) if height in units else values[height]
+        by_height, known_by_height = (
+            {**values, "altitude": of_height},
+            known | ({"altitude": "m"} if height in units else {}),
+        )
+    elif not height and "pressure" in values:
         by_height = {**values, "altitude": height_of_ratio(values["pressure"])}
         known_by_height = {**known, "altitude": "m"}
     settled = settle_time_heights(by_height, known_by_height)
+    if height and "altitude" in settled:
+        settled[height] = settled.pop("altitude")
     if "pressure" in values and "pressure" not in units and (one := settle_pressure(values["pressure"])):
         settled["pressure"] = one
     felt = "felt_total" if "felt_total" in values else "felt?"

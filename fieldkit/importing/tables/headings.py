@@ -242,7 +242,7 @@ def _named_channel(head: Heading) -> str:
         words -= _ROLES["ground"] | {"pad", "home"}
     if words & _HEIGHT and not words & {"du", "del", "do"}:  # `hauteur sol` is above it, `altitude du sol` its own
         words -= {"sol", "suelo", "suolo"}
-    if _is_clock(words):
+    if _is_clock(words) or is_time_step(head):
         return "time"
     if unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_ROLES["total"]}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
@@ -265,7 +265,7 @@ def _named_channel(head: Heading) -> str:
         if words & {"x", "y", "velx", "vely"} or unit_named("pressure", head.unit):  # sideways, or a dynamic pressure
             return ""
         return "gps_speed" if words & _ROLES["gps"] else "speed"
-    if words & _TIME and not words & {*_ROLES["gps"], "update", "utc", "to", "since", "last"}:
+    if words & _TIME and not words & {*_ROLES["gps"], "update", "utc", "to", "since", "last", "loop", "latency", "age"}:
         return "time"
     return next((name for name in ("latitude", "longitude", "temperature", "voltage") if words & _NAMES[name]), "")
 
@@ -294,6 +294,19 @@ def _is_clock(words: set[str]) -> bool:
     units = {word for word in words if len(word) > 2 and unit_named("time", word)}
     since = words & {"since", "from", "seit", "depuis", "desde"}
     return bool(since and words & _TIME | units) and words <= _TIME | units | _ROLES["clock_origin"]
+
+
+def is_time_step(head: Heading) -> bool:
+    """Whether a header names the time since the row before: `dt (s)`, `delta_time_ms`, `time since last sample`."""
+    words = {word for word in head.words if len(word) < 2 or not unit_named("time", word)}
+    steps = words & {"dt", "deltat", "timestep"} or (words & {"t", "time"} and words & _STEP_MARKS)
+    return bool(steps) and words <= _STEP_WORDS
+
+
+_STEP_MARKS = frozenset({"delta", "step", "interval", "last"})
+"""Words beside `time` of a time since the row before."""
+_STEP_WORDS = _STEP_MARKS | {"dt", "deltat", "timestep", "t", "time", "since", "sample", "loop", "row"}
+"""All words of such a name."""
 
 
 def _acceleration(words: set[str]) -> str:

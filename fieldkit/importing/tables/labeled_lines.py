@@ -2,8 +2,8 @@
 
 `Alt: 123.4 m, Vel: 12.3 m/s, Time: 4200 ms`, `t=4.2 alt=123.4` and `{"time_ms": 4200, "altitude_m": 123.4}` become the
 rows of a CSV table whose headers are the labels with their units. A record ends before a label that it already has, so
-that its values may also be on several lines. A serial monitor may write the time of day in front of each line; it is
-the clock if no label is.
+that its values may also be on several lines. A serial monitor or a logging library may write the time of day, or the
+time since the start, in front of each line; it is the clock if no label is.
 """
 
 import io
@@ -15,12 +15,20 @@ from fieldkit.importing.tables.text import blocks, first_lines
 
 _PAIR = re.compile(
     r"([^\W\d_][\w .()/°²%\[\]-]{0,30}?)[\"']?[ \t]{0,3}[:=][ \t]{0,5}[\"']?"
-    r"(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?|[+-]?(?:\d{1,20}(?:\.\d{0,20}|,\d{1,20})?|\.\d{1,20})(?:[eE][+-]?\d{1,3})?)(?![\d:.])"
+    r"((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?Z?"
+    r"|[+-]?(?:\d{1,20}(?:\.\d{0,20}|,\d{1,20})?|\.\d{1,20})(?:[eE][+-]?\d{1,3})?)(?![\d:.])"
     r"(?=[ \t]{0,2}([A-Za-zµμ°%²³/0-9]{0,8}))"
 )
 """A label, a number or a time of day, and what may be its unit."""
 _STAMP = re.compile(r"[\[(\s]{0,3}((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?)")
 """The time that a serial monitor writes in front of a line."""
+_COUNTED = re.compile(
+    r"(?:\x1b\[[\d;]{0,8}m)?(?:[EWIDV] \((\d{1,12})\) [^\s:]{1,40}:"
+    r"|\[[ \t]{0,12}(\d{1,12})\]\[[EWIDV]\](?:\[[^\]]{0,80}\])?(?:[ \t]\w{1,40}\(\):)?"
+    r"|\[[ \t]{0,12}(\d{1,9}(?:\.\d{1,6})?)\])[ \t]{0,4}"
+)
+"""What a logging library writes in front of a line: the first two, of the ESP32, count milliseconds. Source: Logging
+library, in the ESP-IDF Programming Guide; `esp32-hal-log.h` of Arduino-ESP32."""
 _STAMP_NAME = "time of line"
 _MIN_RECORDS, _LOOKED_AT = 10, 60
 """Fewest records that form a table, and the number of first lines that show whether there are any. [1]"""
@@ -38,7 +46,9 @@ def labeled_table(log: bytes) -> bytes | None:
     if len(log) > _MAX_SIZE or not _is_labeled(first_lines(log, most=_LOOKED_AT)):
         return None
     units: dict[str, str] = {}
-    first = list(_records(log[:_HEAD_SIZE], units))
+    head = log[:_HEAD_SIZE]
+    whole = head.rpartition(b"\n")[0] if len(log) > _HEAD_SIZE else head  # half a label may look like a unit
+    first = list(_records(whole or head, units))
     timed = [name for name in units if channel(heading(name)) == "time"]
     names = [name for name in units if name != _STAMP_NAME or timed == [_STAMP_NAME]]
     with_time = sum(any(name in record for name in timed) for record in first)
@@ -76,16 +86,26 @@ def _records(log: bytes, units: dict[str, str]) -> Iterator[_Record]:
 
 def _pairs(line: str) -> Iterator[tuple[str, str, str]]:
     """Labels, values and units in a line, after the time in front of it."""
-    stamp, before = _STAMP.match(line), ""
-    for pair in _PAIR.finditer(line, stamp.end() if stamp else 0):
+    begin, stamp, before = *_stamp(line), ""
+    for pair in _PAIR.finditer(line, begin):
         if stamp:
-            yield _STAMP_NAME, stamp[1].replace(",", "."), ""
+            yield _STAMP_NAME, *stamp
             stamp = None
         label, value, unit = pair.groups()
         name = " ".join(label.removeprefix(before).split())
         before = unit if _is_unit(unit) else ""
         if name:
             yield name, value.replace(",", "."), before
+
+
+def _stamp(line: str) -> tuple[int, tuple[str, str] | None]:
+    """Where a line begins after the time in front of it, and that time with its unit; None if there is none."""
+    if day := _STAMP.match(line):
+        return day.end(), (day[1].replace(",", "."), "")
+    if counted := _COUNTED.match(line):
+        milliseconds, seconds = counted[1] or counted[2], counted[3]
+        return counted.end(), (milliseconds or seconds, "ms" if milliseconds else "")
+    return 0, None
 
 
 def _is_unit(text: str) -> bool:

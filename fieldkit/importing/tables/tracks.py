@@ -1,12 +1,12 @@
-"""Tracks of satellite receivers for maps and gliders as a table: GPX, KML with times, and IGC.
+"""Tracks of satellite receivers for maps and gliders as a table: GPX, TCX, KML with times, and IGC.
 
 A receiver in a rocket, a phone or a tracker writes a point for each fix: `<trkpt lat="45.1" lon="7.2"><ele>312</ele>
-<time>2026-05-01T12:00:01Z</time></trkpt>` in GPX, `<when>` and `<gx:coord>` in KML, and in IGC
+<time>2026-05-01T12:00:01Z</time></trkpt>` in GPX, `<Trackpoint>` in TCX, `<when>` and `<gx:coord>` in KML, and in IGC
 `B1200014506000N00712000EA0031200315`, whose two heights are by the standard atmosphere and by satellites. A KML line
 without times is not a log.
 
-Source: the GPX 1.1 schema of Topografix, the KML 2.2 reference, the IGC Technical Specification for GNSS flight
-recorders.
+Source: the GPX 1.1 schema of Topografix, version 2 of Garmin's TCX schema, the KML 2.2 reference, the IGC Technical
+Specification for GNSS flight recorders.
 """
 
 import re
@@ -22,6 +22,11 @@ _POINT, _END, _LONGEST_POINT = b"<trkpt", b"</trkpt>", 2300
 """What a point begins and ends with, and the longest one. [bytes]"""
 _ATTRIBUTE = {name: re.compile(rb"\b" + name + rb"\s?=\s?[\"'](-?[\d.]{1,20})[\"']") for name in (b"lat", b"lon")}
 _HEIGHT, _TIME = re.compile(rb"<ele>\s?(-?[\d.]{1,20})\s?</ele>"), re.compile(rb"<time>\s?([\dT:.Z+-]{8,40})\s?</time>")
+_TCX_POINT = re.compile(
+    rb"<Trackpoint>\s*<Time>([\dT:.Z+-]{8,40})</Time>\s*<Position>\s*<LatitudeDegrees>(-?[\d.]{1,20})</LatitudeDegrees>"
+    rb"\s*<LongitudeDegrees>(-?[\d.]{1,20})</LongitudeDegrees>\s*</Position>\s*"
+    rb"<AltitudeMeters>(-?[\d.]{1,20})</AltitudeMeters>"
+)
 _WHEN = re.compile(rb"<when>\s?([\dT:.Z+-]{8,40})\s?</when>")
 _PLACE = re.compile(rb"<gx:coord>\s?(-?[\d.]{1,20}) (-?[\d.]{1,20}) (-?[\d.]{1,20})\s?</gx:coord>")
 _FIX = re.compile(rb"B(\d\d)(\d\d)(\d\d)(\d\d)(\d{5})([NS])(\d{3})(\d{5})([EW])[AV](-\d{4}|\d{5})(-\d{4}|\d{5})")
@@ -34,6 +39,8 @@ def track_table(log: bytes) -> bytes | None:
     start, header = log[:_LOOKED_AT], _HEADER
     if b"<gpx" in start:
         rows = list(_of_gpx(log))
+    elif b"<TrainingCenterDatabase" in start:
+        rows = [b",".join(point.groups()) for point in _TCX_POINT.finditer(log)]
     elif b"<gx:coord>" in log and b"<when>" in log:
         rows = [
             b",".join((time, place[2], place[1], place[3]))
