@@ -8,8 +8,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fieldkit.importing.tables.headings import Heading
+from fieldkit.importing.tables.headings import Heading, unit_named
 from fieldkit.shapes import Array, Float
+from fieldkit.units import is_unit
 
 _BESIDE_AXIS = frozenset({"pos", "position", "p", "loc", "local", "ned", "enu", "state", "m", "ft"})
 """Words beside the name of an axis."""
@@ -23,7 +24,9 @@ below it if its axis points down. [1]"""
 
 
 def _axis(head: Heading) -> str:
-    """The axis of a position that a header names, or ""."""
+    """The axis of a position that a header names, or ""; `Z (g)` is that of an accelerometer."""
+    if is_unit(head.unit) and not unit_named("length", head.unit):
+        return ""
     words = [word for word in head.words if word not in _BESIDE_AXIS]
     if len(words) != 1:
         return ""
