@@ -153,7 +153,8 @@ def all_heights(clocks: Sequence[Series]) -> Iterator[Heights]:
                 continue
             if name == "altitude" and zero_moved(series):
                 continue
-            time, values = _usable(series.time, _without_held(series.time, _without_fill(values), name))
+            values = _as_read(_without_fill(values))
+            time, values = _usable(series.time, _without_held(series.time, values, name))
             time, values = _thinned(time, values, name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
             found = _despiked(time, height, name)
@@ -229,6 +230,27 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
     if alone.sum() < MIN_SAMPLES or (alone & far).sum() < 0.9 * (~zero[1:-1] & far).sum():
         return values
     return np.where(zero, np.nan, values) if (alone & far).sum() >= MIN_SAMPLES else values
+
+
+def _as_read(values: Float[Array, "row"]) -> Float[Array, "row"]:
+    """A channel in the rows in which its sensor was read: a table repeats a reading if it is written several times as
+    often. Such values change in every k-th row or not at all; those of a coarse sensor change in any row.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    changes = known[1:][np.diff(values[known]) != 0]
+    if changes.size < MIN_SAMPLES:
+        return values
+    gaps = np.diff(changes)
+    every = int(np.quantile(gaps, _IRREGULAR_PART, method="lower"))
+    phases = np.bincount(changes % every, minlength=every) if every > 1 else np.zeros(1)
+    if phases.max() < (1 - _IRREGULAR_PART) * changes.size:
+        return values
+    rows = np.arange(values.size)
+    return np.where((rows - int(phases.argmax())) % every == 0, values, np.nan)
+
+
+_IRREGULAR_PART = 0.05
+"""Fraction of the changes of a channel that may be between its regular ones: of rows lost or written late. [1]"""
 
 
 def _without_held(time: Float[Array, "_"], values: Float[Array, "_"], name: str) -> Float[Array, "_"]:

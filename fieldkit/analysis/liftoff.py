@@ -17,6 +17,8 @@ from fieldkit.shapes import Array, Float, Int, Integers
 _THRUST = 2 * GRAVITY
 """Specific force that a rocket does not feel before lift-off. [m/s^2]"""
 
+_FEW_SAMPLES = 3
+"""Fewest samples of an accelerometer that show thrust. [1]"""
 _IGNITION = 0.02
 """Longest time in which thrust rises to a fifth of its mean: lift-off is earlier by anything up to that. [s]"""
 
@@ -39,7 +41,7 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     corner = _by_rise(track, seen)
     if corner is not None and track.is_barometric:
         corner = _by_dive(corner, track, seen) or corner
-    if corner is not None and push is not None and _is_under_way(push, corner.time - corner.sd):
+    if corner is not None and push is not None and _is_under_way(push, corner):
         return None
     return checked_by_climb(corner, track, seen) if corner is not None and track.is_barometric else corner
 
@@ -66,9 +68,12 @@ def felt_boost(push: Push, seen: Outline) -> Outline | None:
     return replace(seen, lift=float(time[pushed.start]), fastest=float(time[pushed.stop - 1]))
 
 
-def _is_under_way(push: Push, moment: float) -> bool:
-    """Whether the accelerometer felt thrust from its first sample on, so that lift-off was before a time."""
-    before = push.felt[push.time < moment]
+def _is_under_way(push: Push, corner: Event) -> bool:
+    """Whether the accelerometer felt thrust from its first sample on, so that lift-off was before a corner of the
+    heights, which static ports may hold back; if few samples are before the corner, the first ones tell."""
+    before = push.felt[push.time < corner.time - corner.sd]
+    if not before.size and push.time[0] <= corner.time:
+        before = push.felt[:_FEW_SAMPLES]
     return before.size > 0 and float(before.min()) > _THRUST
 
 
@@ -86,7 +91,8 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     step, strong = median_step(time), float(np.median(felt[pushed]))
     time, felt = time[: pushed.stop], felt[: pushed.stop]
     bar = level + max(0.2 * (strong - level), 5 * noise, 2.0)
-    if strong < bar + 1 or felt[0] >= bar or level > _THRUST - GRAVITY:  # it may begin in the boost
+    on_pad = -_THRUST < level < _THRUST - GRAVITY and strong > 0  # otherwise it may begin in the boost or the coast
+    if strong < bar + 1 or felt[0] >= bar or not on_pad:
         return None
     width = max(1, round(0.05 / step))
     lasting = np.convolve(felt >= bar, np.ones(width), "full")[width - 1 :] >= 0.8 * width

@@ -702,3 +702,12 @@ def test_a_second_accelerometer_is_used_if_the_first_one_contradicts_the_heights
     assert recorded.figures["top_speed"].source == "barometric altitude and inertial speed"
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
     assert any("the inertial speed is used instead" in note for note in recorded.notes)
+
+
+def test_a_log_that_begins_in_the_coast_has_no_liftoff() -> None:
+    """An accelerometer rises there too, as the drag falls."""
+    truth = flown(LARGE)
+    recorded = measure(recording(truth, wait=-truth.burnout - 0.3, accelerometer=25.0))
+    assert "liftoff" not in recorded.events
+    assert not recorded.figures.keys() & {"time_to_apogee", "burn_time", "peak_accel", "duration"}
+    assert not misses(recorded, truth, "apogee")

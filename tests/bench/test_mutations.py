@@ -36,6 +36,7 @@ RIGHT = (
     "numbered packets, some lost",
     "heights zeroed when the flight is noticed",
     "a vacuum chamber before the flight",
+    "heights held for ten rows",
     "a position without units that points down",
     "north, east and down without units",
     "a position in words that points down",

@@ -22,7 +22,7 @@ _PAIR = re.compile(
 """A label, a number or a time of day, and what may be its unit."""
 _STAMP = re.compile(r"[\[(\s]{0,3}((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?)")
 """The time that a serial monitor writes in front of a line."""
-_COUNTED = re.compile(
+_COUNTER_STAMP = re.compile(
     r"(?:\x1b\[[\d;]{0,8}m)?(?:[EWIDV] \((\d{1,12})\) [^\s:]{1,40}:"
     r"|\[[ \t]{0,12}(\d{1,12})\]\[[EWIDV]\](?:\[[^\]]{0,80}\])?(?:[ \t]\w{1,40}\(\):)?"
     r"|\[[ \t]{0,12}(\d{1,9}(?:\.\d{1,6})?)\])[ \t]{0,4}"
@@ -102,7 +102,7 @@ def _stamp(line: str) -> tuple[int, tuple[str, str] | None]:
     """Where a line begins after the time in front of it, and that time with its unit; None if there is none."""
     if day := _STAMP.match(line):
         return day.end(), (day[1].replace(",", "."), "")
-    if counted := _COUNTED.match(line):
+    if counted := _COUNTER_STAMP.match(line):
         milliseconds, seconds = counted[1] or counted[2], counted[3]
         return counted.end(), (milliseconds or seconds, "ms" if milliseconds else "")
     return 0, None

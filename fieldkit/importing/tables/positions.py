@@ -14,9 +14,9 @@ from fieldkit.units import is_unit
 
 _BESIDE_AXIS = frozenset({"pos", "position", "p", "loc", "local", "ned", "enu", "state", "m", "ft"})
 """Words beside the name of an axis."""
-_HORIZONTAL = (({"x"}, {"y"}), ({"n", "north"}, {"e", "east"}))
+_OTHER_AXES = (({"x"}, {"y"}), ({"n", "north"}, {"e", "east"}))
 """Names of the other two axes."""
-_VERTICAL = (frozenset({"z"}), frozenset({"d", "down", "u", "up"}))
+_THIRD_AXES = (frozenset({"z"}), frozenset({"d", "down", "u", "up"}))
 """Names of the third axis beside each of these pairs."""
 _START, _BELOW = 11, 3.0
 """Number of first samples that show where a position starts, and how many times farther than above it a flight goes
@@ -36,7 +36,7 @@ def _axis(head: Heading) -> str:
 def third_axis(heads: Mapping[int, Heading]) -> int | None:
     """The column of the third axis of a position whose other two axes are columns too; None if there is none."""
     axes = {axis: place for place, head in heads.items() if (axis := _axis(head))}
-    for (first, second), third in zip(_HORIZONTAL, _VERTICAL, strict=True):
+    for (first, second), third in zip(_OTHER_AXES, _THIRD_AXES, strict=True):
         found = axes.keys() & third
         if axes.keys() & first and axes.keys() & second and len(found) == 1:
             return axes[found.pop()]
@@ -50,16 +50,17 @@ def is_elevation(head: Heading) -> bool:
 
 
 def points_down(head: Heading, position: Float[Array, "row"]) -> bool:
-    """Whether a column is the third axis of a position and goes down in the flight."""
+    """Whether a column is the third axis of a position, in any unit, and goes down in the flight. [m, ft]"""
     there = position[np.isfinite(position)]
-    if not there.size or not any(_axis(head) in names for names in _VERTICAL):
+    if not there.size or not any(_axis(head) in names for names in _THIRD_AXES):
         return False
     start = float(np.median(there[:_START]))
     return start - float(there.min()) > _BELOW * max(float(there.max()) - start, 0.0)
 
 
 def falls_in_a_climb(speed: Float[Array, "row"], height: Float[Array, "row"]) -> bool:
-    """Whether a vertical speed is positive downward: its sum falls while the height rises to its top."""
+    """Whether a vertical speed is positive downward: its sum falls while the height rises to its top, in any
+    units. [m/s, m]"""
     there = np.isfinite(speed) & np.isfinite(height)
     if not there.any():
         return False
