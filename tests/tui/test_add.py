@@ -18,7 +18,7 @@ from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.add.add_sheet import SaveButton
 from fieldkit.tui.add.fields import brief
 from fieldkit.tui.next.motor_list import MotorList
-from fieldkit.tui.next.next_plan import NextFlight
+from fieldkit.tui.next.next_plan import NextPlan
 from tests.pressing import frozen, opened, press, season, shown, text_of, typed, words
 
 CHECK_SHAPES = False
@@ -371,7 +371,7 @@ async def test_undoing_a_saved_forecast_keeps_the_forecasts_of_all_motors(
 ) -> None:
     kept = []
 
-    def turn_to(motors: MotorList, plan: NextFlight | None) -> None:
+    def turn_to(motors: MotorList, plan: NextPlan | None) -> None:
         turned(motors, plan)
         kept.append(len(motors.known))
 

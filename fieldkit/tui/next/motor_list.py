@@ -10,7 +10,7 @@ from fieldkit.planning.check import Verdict
 from fieldkit.planning.motor_guide import MotorChoice, MotorOrder
 from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.quantities import spelled, unit_of
-from fieldkit.tui.next.next_plan import NextFlight
+from fieldkit.tui.next.next_plan import NextPlan
 from fieldkit.tui.widgets import cards
 
 AT_ONCE = 40
@@ -25,7 +25,7 @@ class MotorList:
     """The results of a search for a `plan`, and the forecasts `known` so far; until the fit of a motor is known, the
     quick forecast is in `quick`. `fitting` shows only motors that fit unless there is a search."""
 
-    plan: NextFlight | None = None
+    plan: NextPlan | None = None
     found: Sequence[Motor] = ()
     known: dict[Motor, MotorChoice] = field(default_factory=dict)
     quick: dict[Motor, QuickChoice] = field(default_factory=dict)
@@ -71,19 +71,19 @@ class MotorList:
         """All results of `shown`."""
         return {**self.quick, **self.known}
 
-    def turn_to(self, plan: NextFlight | None) -> None:
+    def turn_to(self, plan: NextPlan | None) -> None:
         """Set another plan, without forecasts unless they are the same; without a plan, no motors."""
         if plan is None or self.plan is None or not plan.same_forecasts(self.plan):
             self.known, self.quick, self.exact = {}, {}, set()
         self.plan = plan
         self.found = self.found if plan is not None else ()
 
-    def put(self, plan: NextFlight, found: Sequence[MotorChoice]) -> None:
+    def put(self, plan: NextPlan, found: Sequence[MotorChoice]) -> None:
         """Add forecasts of a plan, unless it has been replaced in the meantime."""
         if plan is self.plan:
             self.known |= {one.motor: one for one in found}
 
-    def put_quick(self, plan: NextFlight, found: Sequence[QuickChoice]) -> None:
+    def put_quick(self, plan: NextPlan, found: Sequence[QuickChoice]) -> None:
         """Add quick forecasts of a plan, unless it has been replaced in the meantime."""
         if plan is self.plan:
             self.quick |= {one.motor: one for one in found}

@@ -36,7 +36,7 @@ from fieldkit.tui.next import motor_facts, motor_rows, next_words
 from fieldkit.tui.next.decisions import Decision
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.motor_rows import listed
-from fieldkit.tui.next.next_plan import MASS_UNKNOWN, QUESTIONS, NextFlight, PlanWithoutMass, next_build, read_plan
+from fieldkit.tui.next.next_plan import MASS_UNKNOWN, QUESTIONS, NextPlan, PlanWithoutMass, next_build, read_plan
 from fieldkit.tui.next.next_words import saved_in_words
 from fieldkit.tui.next.plan_form import ask_plan, keep_plan
 from fieldkit.tui.next.plan_screen import PlanScreen
@@ -152,7 +152,7 @@ class ForecastCard(VerticalScroll):
         """Set the title of the thrust curve."""
         self.query_one("#thrust", Plot).border_title = Content(motor_facts.THRUST)
 
-    def show(self, plan: NextFlight, one: MotorChoice, settings: Settings, *, exact: bool) -> None:
+    def show(self, plan: NextPlan, one: MotorChoice, settings: Settings, *, exact: bool) -> None:
         """Show the forecast of a plan on a motor; marked as provisional unless it is `exact`, as it would be saved."""
         system = settings.units
         title, text = next_words.title(plan, one.name), next_words.interval(one.interval, system)
@@ -168,7 +168,7 @@ class ForecastCard(VerticalScroll):
         self._show_thrust(one.motor)
         self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
 
-    def show_quick(self, plan: NextFlight, one: QuickChoice, settings: Settings) -> None:
+    def show_quick(self, plan: NextPlan, one: QuickChoice, settings: Settings) -> None:
         """Show the quick answer for a motor, until the fit replaces it."""
         system = settings.units
         title, text = next_words.title(plan, label(one.motor)), next_words.interval(one.interval, system)
@@ -259,7 +259,7 @@ class NextScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._motors = MotorList()
-        self._plan: NextFlight | PlanWithoutMass | None = None
+        self._plan: NextPlan | PlanWithoutMass | None = None
         self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
@@ -296,11 +296,11 @@ class NextScreen(PageScreen):
         self._show_plan(self._motors.plan)
         self._refill()
 
-    def _have_plan(self, plan: NextFlight | PlanWithoutMass | None) -> None:
+    def _have_plan(self, plan: NextPlan | PlanWithoutMass | None) -> None:
         self._plan = plan
-        self._motors.turn_to(plan if isinstance(plan, NextFlight) else None)
-        self.set_class(not isinstance(plan, NextFlight), "-blank")
-        if not isinstance(plan, NextFlight):
+        self._motors.turn_to(plan if isinstance(plan, NextPlan) else None)
+        self.set_class(not isinstance(plan, NextPlan), "-blank")
+        if not isinstance(plan, NextPlan):
             line = "No plan yet. p to enter one" if plan is None else plan.why
             self.query_one("#plan", Static).update(Content(line))
             self.query_one(Table).empty = NO_FLIGHTS if plan is None else MASS_UNKNOWN
@@ -310,7 +310,7 @@ class NextScreen(PageScreen):
         self._show_plan(plan)
         self._search_now()
 
-    def _show_plan(self, plan: NextFlight) -> None:
+    def _show_plan(self, plan: NextPlan) -> None:
         self.query_one("#plan", Static).update(Content(plan.line(self.resources.settings)))
 
     @on(Input.Changed)
@@ -338,7 +338,7 @@ class NextScreen(PageScreen):
         work = or_why(partial(quick_guide, plan.rocket, plan.full, waiting))
         self.ask(work, partial(self._have_quick, plan), "quick", alone="group")
 
-    def _have_quick(self, plan: NextFlight, found: list[QuickChoice] | str) -> None:
+    def _have_quick(self, plan: NextPlan, found: list[QuickChoice] | str) -> None:
         if found and not isinstance(found, str):
             self._motors.put_quick(plan, found)
             self._refill()
@@ -355,7 +355,7 @@ class NextScreen(PageScreen):
 
         self.ask(work, partial(self._have, plan), "forecast", alone="app")
 
-    def _have(self, plan: NextFlight, found: Sequence[MotorChoice]) -> None:
+    def _have(self, plan: NextPlan, found: Sequence[MotorChoice]) -> None:
         self._motors.put(plan, found)
         self._refill()
         self._forecast()

@@ -106,7 +106,7 @@ def read_planned(name: str, text: str, unit: str) -> object:
 
 
 @dataclass(frozen=True, slots=True)
-class NextFlight:
+class NextPlan:
     """The plan, as edited and complete, with its rocket and site; the available configurations, the motors that fit,
     and the basis of the forecast."""
 
@@ -121,7 +121,7 @@ class NextFlight:
     saved: tuple[Motor, ...] = ()
     """Motors with an open forecast of this rocket, the latest first."""
 
-    def same_forecasts(self, other: "NextFlight") -> bool:
+    def same_forecasts(self, other: "NextPlan") -> bool:
         """Whether every motor has the same forecast and the same safety checks as in another plan."""
         same = (self.full, self.site, self.limits) == (other.full, other.site, other.limits)
         return same and self.rocket.same_as(other.rocket)
@@ -173,7 +173,7 @@ class PlanWithoutMass:
         return printable(f"{build}: no dry mass known; p to enter one")
 
 
-def next_build(plan: NextFlight | PlanWithoutMass) -> Flight | None:
+def next_build(plan: NextPlan | PlanWithoutMass) -> Flight | None:
     """The plan for the next rocket and configuration that have flown; None if none has."""
     names = [(build.rocket, build.config) for build in plan.builds]
     if not names:
@@ -184,7 +184,7 @@ def next_build(plan: NextFlight | PlanWithoutMass) -> Flight | None:
     return plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None, extra=extra)
 
 
-def read_plan(resources: Resources) -> NextFlight | PlanWithoutMass | None:
+def read_plan(resources: Resources) -> NextPlan | PlanWithoutMass | None:
     """The saved plan, or else one for the last flown rocket with a known mass or, without flights, for a designed one;
     without forecasts if its mass is unknown; None without plan, flights and designs.
 
@@ -200,7 +200,7 @@ def read_plan(resources: Resources) -> NextFlight | PlanWithoutMass | None:
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}
     if full.dry_mass is None:
         return PlanWithoutMass(plan, tuple(builds.values()))
-    return NextFlight(
+    return NextPlan(
         plan,
         full,
         rocket,

@@ -13,7 +13,7 @@ from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.presentation.forecast_text import narrows, when_it_fires
 from fieldkit.quantities import in_system, measure, number, spelled, unit_of, with_sd
 from fieldkit.tui.next import motor_rows
-from fieldkit.tui.next.next_plan import NextFlight
+from fieldkit.tui.next.next_plan import NextPlan
 from fieldkit.tui.widgets import cards
 
 QUICK = "provisional, not yet checked by the fit"
@@ -38,7 +38,7 @@ def rail_speed(prediction: Prediction, system: str) -> str:
     return measure(BY_NAME["top_speed"], median(prediction.rail_speed), system)
 
 
-def title(plan: NextFlight, motor: str) -> str:
+def title(plan: NextPlan, motor: str) -> str:
     """Rocket and motor: `Astra A on AeroTech F24W-4`."""
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
     return f"{build} on {motor}"
@@ -50,7 +50,7 @@ def interval(apogee: Three, system: str) -> str:
     return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
-def figures(plan: NextFlight, one: MotorChoice, system: str) -> list[tuple[str, str]]:
+def figures(plan: NextPlan, one: MotorChoice, system: str) -> list[tuple[str, str]]:
     """The figures below the density, name and value."""
     prediction = one.prediction
     fires = [f"{delay:g}:{motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
@@ -72,7 +72,7 @@ def figures(plan: NextFlight, one: MotorChoice, system: str) -> list[tuple[str, 
     ]
 
 
-def quick_figures(plan: NextFlight, one: QuickChoice, system: str) -> list[tuple[str, str]]:
+def quick_figures(plan: NextPlan, one: QuickChoice, system: str) -> list[tuple[str, str]]:
     """The figures of a quick answer, name and value."""
     return [
         ("✗ fit", plan.misfit(one.motor)),
