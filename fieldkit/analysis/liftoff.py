@@ -70,7 +70,7 @@ def felt_boost(push: Push, seen: Outline) -> Outline | None:
 
 def _is_under_way(push: Push, corner: Event) -> bool:
     """Whether the accelerometer felt thrust from its first sample on, so that lift-off was before a corner of the
-    heights, which static ports may hold back; if few samples are before the corner, the first ones tell."""
+    heights, which static ports may hold back; if few samples are before the corner, the first ones decide."""
     before = push.felt[push.time < corner.time - corner.sd]
     if not before.size and push.time[0] <= corner.time:
         before = push.felt[:_FEW_SAMPLES]
