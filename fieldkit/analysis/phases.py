@@ -79,10 +79,15 @@ def outline(track: Heights) -> Outline | None:
     climb = np.maximum.accumulate(running_median_over(time, height, _WINDOW, 3, 201)[from_ : top + 1])
     speed = _slope(time[from_ : top + 1], climb, _WINDOW)
     transonic = bool(speed.max() > _TRANSONIC_SPEED)
+    least = max(10 * track.noise, 15.0)
+    early = (
+        _lift(time[from_ : top + 1], climb, speed, int(np.argmax(speed)), least) if not track.is_barometric else None
+    )
     if transonic:  # brief shocks make a rocket appear to jump, so a longer window is used
         speed = _slope(time[from_ : top + 1], climb, _TRANSONIC_WINDOW)
     fastest = int(np.argmax(speed))
-    lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
+    lift = _lift(time[from_ : top + 1], climb, speed, fastest, least)
+    lift = early if lift is None else lift  # satellites show no shocks: so little of the pad is seen by a short window
     start = from_ + lift if lift is not None else from_
     pad, pad_sd = _pad(track, time[start] if lift is not None else None, float(time[top]))
     gain = calm[top] - (pad if lift is not None or track.zeroed else height[from_])
