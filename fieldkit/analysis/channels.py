@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis.moved_zero import zero_moved
+from fieldkit.analysis.moved_zero import on_one_zero, zero_moved
 from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median, running_median_over, stretches
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
@@ -154,6 +154,7 @@ def all_heights(clocks: Sequence[Series]) -> Iterator[Heights]:
             if name == "altitude" and zero_moved(series):
                 continue
             values = _as_read(_without_fill(values))
+            values = on_one_zero(series.time, values) if name in ("altitude", "altitude_msl") else values
             time, values = _usable(series.time, _without_held(series.time, values, name))
             time, values = _thinned(time, values, name == "pressure")
             height = pressure_height(values) if name == "pressure" else values

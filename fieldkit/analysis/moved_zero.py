@@ -1,18 +1,47 @@
-"""A logger that moves the zero of its altitudes in flight, as its own pressures show.
+"""A logger that moves the zero of its altitudes in flight, as its own pressures or a step show.
 
-Derivation: a level has one pressure, so altitudes from pressure and those above the pad differ by the pad's height.
+Derivation: a level has one pressure, so altitudes from pressure and those above the pad differ by the pad's height. A
+logger that sets its zero when it notices the flight has a step there that no rocket flies, and comes to rest as far
+from where it began.
 """
 
 import numpy as np
 
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.shapes import Array, Float
 
 _SAME_LEVEL, _ZERO_MOVED = 20.0, 5.0
 """Pressure heights this close are the same level; if two altitudes at the same level differ by more than this, their
 zero has moved. [m]"""
 _SAMPLES = 12
 """Fewest samples that show a level. [1]"""
+_STEP_SPEED, _AT_REST = 700.0, 5.0
+"""Speed that no such rocket has [m/s], and largest range of heights at rest [m]."""
+_CURVE = 8
+"""Number of samples before and after a step through which a curve shows its size. [1]"""
+_LEVELS, _TERRAIN = 0.1, 20.0
+"""Largest difference of a step and of the levels at rest, as a fraction of the step [1] and of the terrain [m]."""
+
+
+def on_one_zero(time: Float[Array, "row"], height: Float[Array, "row"]) -> Float[Array, "row"]:
+    """Heights on the zero that a logger set in flight, before it too; unchanged if it set none. [s], [m]"""
+    known = np.flatnonzero(np.isfinite(height) & np.isfinite(time))
+    when, high = time[known], height[known]
+    last = int(np.argmax(np.abs(np.diff(high)))) if known.size > 1 else 0
+    if not 2 * _SAMPLES <= last <= known.size - 2 * _SAMPLES:
+        return height
+    step, lasts = float(high[last + 1] - high[last]), float(when[last + 1] - when[last])
+    begin, end = high[:_SAMPLES], high[-_SAMPLES:]
+    moved = float(np.median(end) - np.median(begin))
+    rests = max(np.ptp(begin), np.ptp(end)) < _AT_REST
+    if not rests or abs(step) < _STEP_SPEED * lasts or abs(step - moved) > _LEVELS * abs(step) + _TERRAIN:
+        return height
+    around = np.r_[last - _CURVE + 1 : last + 1 + _CURVE]
+    since = when[around] - when[last]
+    curve = np.column_stack([np.vander(since, 4), np.arange(around.size) >= _CURVE])  # one curve, and a step in it
+    step = float(np.linalg.lstsq(curve, high[around], rcond=None)[0][-1])
+    return np.where(np.arange(height.size) <= known[last], height + step, height)
 
 
 def zero_moved(series: Series) -> bool:
