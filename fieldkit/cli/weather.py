@@ -61,14 +61,14 @@ def weather(
     from fieldkit.importing.weather import read_weather
     from fieldkit.presentation.export import csv_table
     from fieldkit.services.imports import read_file
-    from fieldkit.services.weather import NamedWeather, check_names, fill_ledger, filled, read_zone
+    from fieldkit.services.weather import NamedWeather, fill_ledger, filled, flights_to_fill, read_zone
 
     if (plans is None) != (out is None):
         raise typer.BadParameter("found --plans or --out alone, expected both: --plans plans.csv --out filled.csv")
     zone = read_zone(timezone) if timezone else None
     if plans is None:
         with open_ledger(context) as ledger:
-            check_names(ledger, site, rocket)
+            flights = flights_to_fill(ledger, site, rocket)
     sources, formats = [], []
     for file in saved:
         format, one = read_weather(read_file(file, kind="weather"), file.name)
@@ -82,7 +82,7 @@ def weather(
         files.write(out, csv_table([one.after for one in found]).encode(), force=force)
     else:
         with open_ledger(context) as ledger:
-            found = fill_ledger(ledger, sources, zone, site=site, rocket=rocket, replace=replace, dry_run=look)
+            found = fill_ledger(ledger, flights, sources, zone, replace=replace, dry_run=look)
     if json:
         print_json(
             {

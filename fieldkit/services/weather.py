@@ -12,7 +12,6 @@ import numpy as np
 
 from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.flight.columns import Column
 from fieldkit.flight.recovery import recovery_column
 from fieldkit.importing.weather import (
     MAST,
@@ -106,7 +105,8 @@ def filled(flight: Flight, sources: Sequence[NamedWeather], zone: tzinfo | None,
         slower = 1 / float(wind_at(np.array(MAST), np.array(1.0)))
         values["wind"] = values["wind"][0] * slower, values["wind"][1] * slower
     taken = {name: pair for name, pair in values.items() if replace or flight.number(name) is None}
-    extra = {BY_NAME[name].sd_header: _sd_text(BY_NAME[name], sd) for name, (_, sd) in taken.items()}
+    units = {name: UNITS[BY_NAME[name].quantity][BY_NAME[name].unit] for name in taken}
+    extra = {BY_NAME[name].sd_header: f"{units[name].difference_from_si(sd):.2g}" for name, (_, sd) in taken.items()}
     known = replace or recovery_column(flight, "wind_aloft") is None
     aloft = min(winds, key=lambda one: abs(one.height - (flight.apogee or USUAL_HEIGHT))) if winds and known else None
     if aloft is not None:
@@ -138,10 +138,6 @@ def _shifted(weather: SavedWeather, moment: datetime, zone: tzinfo | None) -> Sa
     return other(weather, reports=tuple(other(one, time=one.time + ahead) for one in weather.reports), utc=False)
 
 
-def _sd_text(column: Column, sd: float) -> str:
-    return f"{UNITS[column.quantity][column.unit].difference_from_si(sd):.2g}"
-
-
 def _aloft_texts(aloft: WindAloft, ground: float | None) -> dict[str, str]:
     """The wind aloft as columns of a flight; its turn is known if both directions are."""
     turn = None if aloft.direction is None or ground is None else (aloft.direction - ground + 180) % 360 - 180
@@ -149,34 +145,33 @@ def _aloft_texts(aloft: WindAloft, ground: float | None) -> dict[str, str]:
     return texts | ({} if turn is None else {"wind_aloft_turn_deg": f"{turn:.0f}"})
 
 
-def check_names(ledger: "Ledger", site: str | None, rocket: str | None) -> None:
-    """Raise NoFlights for a site or a rocket that the ledger does not know."""
+def flights_to_fill(ledger: "Ledger", site: str | None, rocket: str | None = None) -> list[Flight]:
+    """The flights at one site, of one rocket or of all, whose weather a file can have. A file holds the weather of one
+    place: raises BadValue for flights at several sites and no `site`, NoFlights for a site or a rocket that the ledger
+    does not know."""
     places = dict.fromkeys([*ledger.names("site"), *(one.name for one in sites(ledger))])
     for kind, name, known in (("site", site, list(places)), ("rocket", rocket, ledger.names("rocket"))):
         if name is not None and name.casefold() not in map(str.casefold, known):
             raise NoFlights(unknown(kind, name, known))
-
-
-def fill_ledger(
-    ledger: "Ledger",
-    sources: Sequence[NamedWeather],
-    zone: tzinfo | None,
-    *,
-    site: str | None = None,
-    rocket: str | None = None,
-    replace: bool = False,
-    dry_run: bool = False,
-) -> list[FilledIn]:
-    """Fill in the weather of the ledger's flights at one site, of one rocket or of all, as one change that can be
-    undone; returns all flights that were looked at.
-
-    A file holds the weather of one place: raises BadValue for flights at several sites and no `site`.
-    """
     flights = [one for one in ledger.flights(rocket) if site is None or one.site.casefold() == site.casefold()]
     places = dict.fromkeys(one.site for one in flights)
     if site is None and len(places) > 1:
         shown = ", ".join(name or "no site" for name in list(places)[:5])
         raise BadValue(f"found flights at {shown}, expected --site with that of the file")
+    return flights
+
+
+def fill_ledger(
+    ledger: "Ledger",
+    flights: Sequence[Flight],
+    sources: Sequence[NamedWeather],
+    zone: tzinfo | None,
+    *,
+    replace: bool = False,
+    dry_run: bool = False,
+) -> list[FilledIn]:
+    """Fill in the weather of flights of the ledger, as one change that can be undone; returns what was found for each.
+    Raises BadValue as `filled`."""
     found = [filled(one, sources, zone, replace=replace) for one in flights]
     changed = [one for one in found if one.changed]
     if changed and not dry_run:

@@ -553,17 +553,13 @@ class FieldkitApp(App[None]):
             self.revision += 1
         self._refresh_page()
 
-    def ask_target(self) -> None:
+    def action_ask_target(self) -> None:
         """Ask for the target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
         from fieldkit.tui.widgets.dialogs import AskText  # takes 6 ms to import
 
         self.push_screen(AskText("Target", now, about, check=self._read_target), partial(self._targeted, now))
-
-    def action_ask_target(self) -> None:
-        """Ask for the target apogee."""
-        self.ask_target()
 
     def _targeted(self, now: str, text: str | None) -> None:
         if text is None or text == now:  # what was shown is rounded

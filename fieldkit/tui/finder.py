@@ -117,7 +117,7 @@ class Finder(Provider):
 
     def _settings(self) -> Iterator[Entry]:
         host = self._host
-        yield Entry("setting", "Setting: target", "The target apogee for comparing motors", host.ask_target)
+        yield Entry("setting", "Setting: target", "The target apogee for comparing motors", host.action_ask_target)
         yield Entry("setting", "Setting: rail", "Length and angle of your usual rail", self._ask_rail)
         yield Entry("setting", "Your card", "Certification, age, rules, rods, range box", self._ask_card)
         yield Entry("setting", "Setting: units", "The next units: SI, US, mixed", host.action_next_units)

@@ -42,7 +42,7 @@ class Host(Protocol):
     def choose(self, done: str = "", **changes: Any) -> None:
         """Change settings, apply them, and save them."""
 
-    def ask_target(self) -> None:
+    def action_ask_target(self) -> None:
         """Ask for the target apogee."""
 
     def action_next_units(self) -> None:

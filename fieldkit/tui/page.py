@@ -13,6 +13,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Container
 from textual.reactive import Reactive
+from textual.screen import ModalScreen
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
@@ -200,6 +201,22 @@ class PageScreen(AskingScreen):
         due, self._due = self._due, []
         for show in due:
             show()
+
+    def ask_form(
+        self, form: ModalScreen[dict[str, object] | None], answered: Callable[[dict[str, Any]], object]
+    ) -> None:
+        """Open a form over this page; `answered` gets its values unless it is left without them."""
+
+        def pass_on(values: dict[str, object] | None) -> None:
+            if values is not None:
+                answered(values)
+
+        self.app.push_screen(form, pass_on)
+
+    def show_change(self, notice: str) -> None:
+        """The ledger has changed: show this notice, and reload the pages."""
+        self.show_notice(notice)
+        self.field_app.changed()
 
     def changed_for_others(self) -> None:
         """Note a change of the ledger that only other pages have to show; one may be in front by now."""

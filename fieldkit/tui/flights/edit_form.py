@@ -11,6 +11,7 @@ from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import DATE
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.setup_lists import answer_of, same
 
 ASKED_NAMES = {question.name for question in QUESTIONS}
@@ -34,44 +35,29 @@ def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[st
     }
     units[DATE.name] = date_order(system)
     form = Form(flight_label(id, "Flight"), EDIT_QUESTIONS, texts, units, names=page.resources.names)
-    page.app.push_screen(form, partial(_answered, page, id, flight, renamed, texts))
+
+    def answered(values: dict[str, object]) -> None:
+        changes = {name: new for name, new in values.items() if not same(name, new, texts[name], system)}
+        if not changes:
+            page.show_notice(f"{flight_label(id, 'Flight')} unchanged")
+            return
+        titles = ", ".join(question.title.lower() for question in EDIT_QUESTIONS if question.name in changes)
+
+        def saved(now: str) -> None:
+            renamed(now)
+            page.show_change(f"Saved {flight_label(now)}: {titles}. u to undo")
+
+        page.change(partial(_save, page.resources, id, flight, changes), saved)
+
+    page.ask_form(form, answered)
 
 
-def _answered(
-    page: PageScreen,
-    id: str,
-    flight: Flight,
-    renamed: Callable[[str], object],
-    texts: dict[str, str],
-    values: dict[str, object] | None,
-) -> None:
-    if values is None:
-        return
-    system = page.resources.settings.units
-    changes = {name: new for name, new in values.items() if not same(name, new, texts[name], system)}
-    if not changes:
-        page.show_notice(f"{flight_label(id, 'Flight')} unchanged")
-        return
-    names = list(changes)
-
-    def work() -> str:
-        motor = str(changes.get("motor", ""))
-        if motor and (trouble := page.resources.names().motor_trouble(motor)):
-            raise BadValue(f"motor: {trouble}")
-        ledger = page.resources.ledger
-        judged = {one.name: str(changes.pop(one.name)) for one in JUDGED_QUESTIONS if one.name in changes}
-        if judged:
-            changes["extra"] = with_cells(flight.extra, judged)
-        return ledger.ids([ledger.edit(id, **changes)])[0]
-
-    def saved(now: str) -> None:
-        renamed(now)
-        _saved(page, now, names)
-
-    page.change(work, saved)
-
-
-def _saved(page: PageScreen, id: str, names: list[str]) -> None:
-    titles = ", ".join(question.title.lower() for question in EDIT_QUESTIONS if question.name in names)
-    page.show_notice(f"Saved {flight_label(id)}: {titles}. u to undo")
-    page.field_app.changed()
+def _save(resources: Resources, id: str, flight: Flight, changes: dict[str, object]) -> str:
+    """Change a flight; returns its id now. Raises BadValue for an unknown motor."""
+    motor = str(changes.get("motor", ""))
+    if motor and (trouble := resources.names().motor_trouble(motor)):
+        raise BadValue(f"motor: {trouble}")
+    judged = {one.name: str(changes.pop(one.name)) for one in JUDGED_QUESTIONS if one.name in changes}
+    if judged:
+        changes["extra"] = with_cells(flight.extra, judged)
+    return resources.ledger.ids([resources.ledger.edit(id, **changes)])[0]

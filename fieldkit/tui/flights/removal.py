@@ -31,7 +31,6 @@ def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None)
 
     def removed(_: object) -> None:
         then()
-        page.show_notice(f"Removed {flight_label(id)}. u to undo")
-        page.field_app.changed()
+        page.show_change(f"Removed {flight_label(id)}. u to undo")
 
     page.change(lambda: page.resources.ledger.remove(id), removed)

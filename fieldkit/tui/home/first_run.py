@@ -39,7 +39,10 @@ async def take(page: PageScreen, step: Step) -> None:
             page.ask(lambda: page.resources.motors, partial(_ask_rocket, page), "motors")
             await page.settled("motors")
         case Step.DEMO:
-            page.change(partial(_load_demo, page), partial(_demo_loaded, page))
+            page.change(
+                lambda: len(bring_in(page.resources.ledger, [REFERENCE_FLIGHTS], lambda name: None).ids),
+                lambda count: page.show_change(f"Loaded {count} flights of the demo rocket. u to undo"),
+            )
         case Step.FILES:
             await page.field_app.action_page("import_files")
         case Step.TYPE:
@@ -50,7 +53,7 @@ def _ask_rocket(page: PageScreen, motors: Catalogue) -> None:
     system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[name], system) for name in ("dry_mass", "diameter")}
     form = Form("Your rocket", QUESTIONS, {}, units, partial(read_first, motors), page.resources.names)
-    page.app.push_screen(form, partial(_described, page))
+    page.ask_form(form, partial(_described, page))
 
 
 def read_first(motors: Catalogue, name: str, text: str, unit: str) -> object:
@@ -65,9 +68,7 @@ def read_first(motors: Catalogue, name: str, text: str, unit: str) -> object:
     return read_answer(name, text, unit)
 
 
-def _described(page: PageScreen, values: dict[str, object] | None) -> None:
-    if values is None:
-        return
+def _described(page: PageScreen, values: dict[str, object]) -> None:
     resources = page.resources
 
     def work() -> Prediction:
@@ -81,14 +82,4 @@ def _forecast_made(page: PageScreen, made: Prediction) -> None:
     low, middle, high = (
         measure(cards.APOGEE, float(x), page.resources.settings.units) for x in made.apogee_quantiles()
     )
-    page.show_notice(f"{made.plan.rocket} on {made.plan.motor}: {middle} ({low} to {high}). Each flight narrows it")
-    page.field_app.changed()
-
-
-def _load_demo(page: PageScreen) -> int:
-    return len(bring_in(page.resources.ledger, [REFERENCE_FLIGHTS], lambda name: None).ids)
-
-
-def _demo_loaded(page: PageScreen, count: int) -> None:
-    page.show_notice(f"Loaded {count} flights of the demo rocket. u to undo")
-    page.field_app.changed()
+    page.show_change(f"{made.plan.rocket} on {made.plan.motor}: {middle} ({low} to {high}). Each flight narrows it")

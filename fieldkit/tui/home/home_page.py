@@ -289,14 +289,11 @@ class HomeScreen(PageScreen):
         if self._have_read:
             self.ask(self._read, self._have)
         else:
-            self.ask(self._read_first, self._have_first)
+            self.ask(partial(listed_at_once, self.resources.where), self._have_first)
 
     def redraw(self) -> None:
         """Show the same data in other units."""
         self._show()
-
-    def _read_first(self) -> list[ListedFlight]:
-        return listed_at_once(self.resources.where)
 
     def _have_first(self, latest: list[ListedFlight]) -> None:
         if latest:
@@ -323,7 +320,7 @@ class HomeScreen(PageScreen):
         self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
         if flights:
             self.ask(partial(self._compare, flights), self._have_beside, "beside", alone="app")
-            self.ask(self._read_shared, self._show_shared, "shared")
+            self.ask(lambda: saved_findings(self.resources.ledger), self._show_shared, "shared")
 
     def _compare(self, flights: Sequence[ListedFlight]) -> "Beside":
         with IMPORTING:
@@ -342,9 +339,6 @@ class HomeScreen(PageScreen):
             ]
             self._view = replace(self._view, flights=tuple(flights))
             self._show()
-
-    def _read_shared(self) -> Sequence[str]:
-        return saved_findings(self.resources.ledger)
 
     def _show_shared(self, lines: Sequence[str]) -> None:
         """Show what several rockets share, as found on the Loop page."""

@@ -72,14 +72,13 @@ def ask_given(page: PageScreen, given: Mapping[str, str], answer: Callable[[dict
     units = {name: unit_of(BY_NAME[name], system) for name in NUMBERS} | {"date_time": date_order(system)}
     texts = {question.name: given.get(question.name, "") for question in QUESTIONS}
 
-    def answered(values: dict[str, object] | None) -> None:
-        if values is not None:
-            named = {name: str(text) for name, text in values.items() if text}
-            answer({name: text for name, text in given.items() if name not in texts} | named)
+    def answered(values: dict[str, object]) -> None:
+        named = {name: str(text) for name, text in values.items() if text}
+        answer({name: text for name, text in given.items() if name not in texts} | named)
 
     form = SetupForm("Not in the file", QUESTIONS, texts, units, _checked, page.resources.names)
     form.offers = Draft(page.resources).offers
-    page.app.push_screen(form, answered)
+    page.ask_form(form, answered)
 
 
 def _checked(name: str, text: str, unit: str) -> str:

@@ -10,7 +10,7 @@ from fieldkit.importing.manual_entry import Question
 from fieldkit.importing.weather import QUANTITIES, read_weather, weather_formats
 from fieldkit.quantities import counted
 from fieldkit.services.imports import read_file
-from fieldkit.services.weather import FilledIn, NamedWeather, check_names, fill_ledger, read_zone
+from fieldkit.services.weather import FilledIn, NamedWeather, fill_ledger, flights_to_fill, read_zone
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import Resources
@@ -51,11 +51,10 @@ def ask_weather_file(page: PageScreen, weather: NamedWeather) -> None:
         page.resources.names,
     )
 
-    def answered(values: dict[str, object] | None) -> None:
-        if values is not None:
-            page.change(partial(_fill, page.resources, weather, values), partial(_filled, page))
+    def answered(values: dict[str, object]) -> None:
+        page.change(partial(_fill, page.resources, weather, values), partial(_filled, page))
 
-    page.app.push_screen(form, answered)
+    page.ask_form(form, answered)
 
 
 def _read(name: str, text: str, unit: str) -> object:
@@ -71,15 +70,14 @@ def _read(name: str, text: str, unit: str) -> object:
 
 
 def _fill(resources: Resources, weather: NamedWeather, values: dict[str, object]) -> list[FilledIn]:
-    site, zone = str(values["site"]) or None, cast(tzinfo | None, values.get("zone"))
-    check_names(resources.ledger, site, None)
-    return fill_ledger(resources.ledger, [weather], zone, site=site, replace=bool(values["replace"]))
+    zone = cast(tzinfo | None, values.get("zone"))
+    flights = flights_to_fill(resources.ledger, str(values["site"]) or None)
+    return fill_ledger(resources.ledger, flights, [weather], zone, replace=bool(values["replace"]))
 
 
 def _filled(page: PageScreen, found: list[FilledIn]) -> None:
     done = sum(one.changed for one in found)
     why = next((one.reason for one in found if not one.changed), "no flight is there")
-    page.show_notice(
+    page.show_change(
         f"Filled in the weather of {counted(done, 'flight')}. u to undo" if done else f"No flight was filled in: {why}"
     )
-    page.field_app.changed()

@@ -355,8 +355,7 @@ class LoopScreen(PageScreen):
 
     def _accepted(self, version: int) -> None:
         self._accepted_version = version
-        self.show_notice("Accepted: forecasts use it from now on. u to undo")
-        self.field_app.changed()
+        self.show_change("Accepted: forecasts use it from now on. u to undo")
 
     def action_decline(self) -> None:
         """Leave the model unchanged; one that was accepted stays in use until that is undone."""
@@ -389,8 +388,7 @@ class LoopScreen(PageScreen):
         self._tagging = True
         rest = [one for one in self.panels.query_one(SingleFlights).found if one.flight.flight_id != id.split("/")[-1]]
         self.panels.show_flights(rest, self.resources.settings.units)
-        self.show_notice(f"Tagged {flight_label(id)} {tag}: fits leave it out. S to search again, u to undo")
-        self.field_app.changed()
+        self.show_change(f"Tagged {flight_label(id)} {tag}: fits leave it out. S to search again, u to undo")
 
     @on(Table.Chosen, "#versions")
     def _use(self, message: Table.Chosen) -> None:
@@ -402,11 +400,7 @@ class LoopScreen(PageScreen):
             self.show_notice(f"{rocket} already uses {named}")
             return
         work = partial(self.resources.ledger.activate, rocket, number or None)
-        self.change(work, partial(self._used, f"{rocket} forecasts with {named}"))
-
-    def _used(self, done: str, _: None) -> None:
-        self.show_notice(f"{done}. u to undo")
-        self.field_app.changed()
+        self.change(work, lambda _: self.show_change(f"{rocket} forecasts with {named}. u to undo"))
 
     def action_report(self) -> None:
         """Write the report of this rocket with the loop's findings."""

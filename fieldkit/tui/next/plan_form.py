@@ -65,9 +65,7 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
     system = page.resources.settings.units
     shown = await asyncio.to_thread(partial(_with_body, page.resources, plan))
 
-    def answered(values: dict[str, object] | None) -> None:
-        if values is None:
-            return
+    def answered(values: dict[str, object]) -> None:
         as_shown = {name for name in PLAN if not_retyped(form.shown, name, values[name], system)}
         values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
         if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # its figures follow its last flight
@@ -81,7 +79,7 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
     texts, units = plan_texts(shown, system), plan_units(system)
     form = PlanForm("The plan", QUESTIONS, texts, units, read_planned, page.resources.names)
     form.known, form.shown, form.system = partial(_with_body, page.resources), shown, system
-    page.app.push_screen(form, answered)
+    page.ask_form(form, answered)
 
 
 def _with_body(resources: Resources, plan: Flight) -> Flight:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 from functools import partial
-from typing import ClassVar, cast
+from typing import Any, ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Container, Horizontal, Vertical, VerticalScroll
@@ -332,22 +332,15 @@ class PlanScreen(PageScreen):
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
         read = partial(contest_form.read, self._decision.plan.found.motor, system)
         form = Form(title, contest_form.questions(site), texts, units, read)
-        self.app.push_screen(form, partial(self._have_day, season, known))
+        self.ask_form(form, partial(self._have_day, season, known))
 
-    def _have_day(self, season: int, known: tuple[Day, Site], values: dict[str, object] | None) -> None:
-        if values is None:
-            return
+    def _have_day(self, season: int, known: tuple[Day, Site], values: dict[str, Any]) -> None:
         day, site = contest_form.answered(values, *known, self.resources.settings.units)
         self._view = 2 if day != known[0] and self._view == 0 else self._view
-        weighed = cast("float | None", values[contest_form.WEIGHED_QUESTION.name])
-
+        weighed = values[contest_form.WEIGHED_QUESTION.name]
         changed = day if day != known[0] else None, site if site != known[1] else None
         work = partial(keep_day, self.resources.ledger, season, *changed, weighed)
-        self.change(work, self._kept_day)
-
-    def _kept_day(self, changed: bool) -> None:
-        self.show_notice("Saved the day. u to undo" if changed else "Nothing has changed")
-        self.field_app.changed()
+        self.change(work, lambda new: self.show_change("Saved the day. u to undo" if new else "Nothing has changed"))
 
     def copied(self) -> str:
         """The answer as text."""

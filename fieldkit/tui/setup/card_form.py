@@ -48,8 +48,8 @@ def _ask(page: PageScreen, left: tuple[BoxedMotors, ...]) -> None:
                 raise BadValue(str(error)) from error
         return value
 
-    def save(values: dict[str, object] | None) -> None:
-        if values is None or all(read_card(name, texts[name], unit["rails"]) == one for name, one in values.items()):
+    def save(values: dict[str, object]) -> None:
+        if all(read_card(name, texts[name], unit["rails"]) == one for name, one in values.items()):
             return
         known = dict(values)
         rules = known.pop("rules")
@@ -57,4 +57,4 @@ def _ask(page: PageScreen, left: tuple[BoxedMotors, ...]) -> None:
         page.field_app.choose("Saved your card", flyer=replace(FlyerCard(), **known), rules=rules)  # type: ignore[arg-type]
 
     unit = {"rails": ShownUnits(settings.units).length_unit}
-    page.app.push_screen(Form("Your card", QUESTIONS, texts, unit, read=read), save)
+    page.ask_form(Form("Your card", QUESTIONS, texts, unit, read=read), save)

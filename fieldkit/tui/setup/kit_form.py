@@ -1,7 +1,7 @@
 """Kits on the Setup page: add, change, and delete one."""
 
 from functools import partial
-from typing import cast
+from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
@@ -29,7 +29,7 @@ def ask_kit(page: PageScreen, kit: Kit | None) -> None:
     units = {name: unit_of(BY_NAME[_column(name)], system) for name in ("dry_mass", "diameter", "mount")}
     texts = {name: kit_text(kit, name, system) for name in units} | {"name": kit.name if kit else ""}
     form = Form(kit.name if kit else "A new kit", QUESTIONS, texts, units, read)
-    page.app.push_screen(form, partial(_answered, page, kit, texts))
+    page.ask_form(form, partial(_answered, page, kit, texts))
 
 
 def ask_delete(page: PageScreen, kit: Kit) -> None:
@@ -37,7 +37,7 @@ def ask_delete(page: PageScreen, kit: Kit) -> None:
 
     def sure(yes: bool | None) -> None:
         if yes:
-            page.change(partial(delete_kit, kit.name), lambda _: _changed(page, f"Deleted the kit {kit.name}"))
+            page.change(partial(delete_kit, kit.name), lambda _: page.show_change(f"Deleted the kit {kit.name}"))
 
     page.app.push_screen(AskYes(f"Delete the kit {kit.name}? Flights and rockets stay as they are."), sure)
 
@@ -63,22 +63,12 @@ def _column(name: str) -> str:
     return "diameter" if name == "mount" else name
 
 
-def _answered(page: PageScreen, kit: Kit | None, texts: dict[str, str], values: dict[str, object] | None) -> None:
+def _answered(page: PageScreen, kit: Kit | None, texts: dict[str, str], values: dict[str, Any]) -> None:
     """Save the kit; a figure with the same text was not changed."""
-    if values is None:
-        return
-    system, typed = (
-        page.resources.settings.units,
-        Kit("", *(cast("float | None", values[q.name]) for q in QUESTIONS[1:])),
-    )
+    system, typed = page.resources.settings.units, Kit("", *(values[q.name] for q in QUESTIONS[1:]))
     same = {name for name in texts if name != "name" and kit_text(typed, name, system) == texts[name]}
     figures = (getattr(kit if kit and q.name in same else typed, q.name) for q in QUESTIONS[1:])
     new = Kit(str(values["name"]), *figures)
     if new != kit:
         was = kit.name if kit else ""
-        page.change(partial(save_kit, new, was), lambda _: _changed(page, f"Saved the kit {new.name}"))
-
-
-def _changed(page: PageScreen, notice: str) -> None:
-    page.show_notice(notice)
-    page.field_app.changed()
+        page.change(partial(save_kit, new, was), lambda _: page.show_change(f"Saved the kit {new.name}"))

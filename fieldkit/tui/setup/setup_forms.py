@@ -38,17 +38,12 @@ def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: s
     texts = {question.name: answer_of(group.last, question, system) for question in questions}
     units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
     title = f"{what}: {counted(len(group.ids), 'flight')}"
-    page.app.push_screen(Form(title, questions, texts, units), partial(_edited, page, group, what, texts))
+    page.ask_form(Form(title, questions, texts, units), partial(_edited, page, group, what, texts))
 
 
-def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], values: dict[str, object] | None) -> None:
-    if values is None:
-        return
-    changes = {
-        name: value
-        for name, value in values.items()
-        if not same(name, value, texts[name], page.resources.settings.units)
-    }
+def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], values: dict[str, object]) -> None:
+    system = page.resources.settings.units
+    changes = {name: value for name, value in values.items() if not same(name, value, texts[name], system)}
     if changes:
         work = partial(page.resources.ledger.edit_all, group.ids, what, **changes)
         page.change(work, partial(_changed, page, what))
@@ -58,12 +53,10 @@ def add_site(page: PageScreen) -> None:
     """Open a form for a site at which nothing has flown yet."""
     system = page.resources.settings.units
     form = Form("A new site", site_form.NEW_SITE, {}, site_form.units(system), site_form.read)
-    page.app.push_screen(form, partial(_site_added, page))
+    page.ask_form(form, partial(_site_added, page))
 
 
-def _site_added(page: PageScreen, values: dict[str, Any] | None) -> None:
-    if values is None:
-        return
+def _site_added(page: PageScreen, values: dict[str, Any]) -> None:
     name = str(values["site"] or "")
     if not name:
         page.complain("Site: found no name, expected one, such as North field")
@@ -84,12 +77,10 @@ def change_site(page: PageScreen, place: LaunchSite) -> None:
         site_form.units(system),
         site_form.read,
     )
-    page.app.push_screen(form, partial(_site_edited, page, place, texts))
+    page.ask_form(form, partial(_site_edited, page, place, texts))
 
 
-def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], values: dict[str, object] | None) -> None:
-    if values is None:
-        return
+def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], values: dict[str, object]) -> None:
     system, was = page.resources.settings.units, place.site
     flown = {"site": values["site"], "site_elevation": values["site_elevation"]}
     changes = {name: new for name, new in flown.items() if not same(name, new, texts[name], system)}
@@ -105,8 +96,7 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
 
 
 def _changed(page: PageScreen, what: str, count: int) -> None:
-    page.show_notice(f"Saved {what}: {counted(count, 'flight')}. u to undo" if count else f"Saved {what}. u to undo")
-    page.field_app.changed()
+    page.show_change(f"Saved {what}: {counted(count, 'flight')}. u to undo" if count else f"Saved {what}. u to undo")
 
 
 def ask_rail(page: PageScreen) -> None:
@@ -116,12 +106,12 @@ def ask_rail(page: PageScreen) -> None:
     texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}
     units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
 
-    def save_rail(values: dict[str, object] | None) -> None:
-        changes = {n: new for n, new in (values or {}).items() if not same(n, new, texts[n], settings.units)}
+    def save_rail(values: dict[str, object]) -> None:
+        changes = {n: new for n, new in values.items() if not same(n, new, texts[n], settings.units)}
         if changes:
             page.field_app.choose("Saved your usual rail", **changes)
 
-    page.app.push_screen(Form("Your usual rail", questions, texts, units), save_rail)
+    page.ask_form(Form("Your usual rail", questions, texts, units), save_rail)
 
 
 def ask_motors(page: PageScreen) -> None:
@@ -143,7 +133,5 @@ def _imported(page: PageScreen, found: tuple[list[Motor], list[DamagedLog]]) -> 
     motors, errors = found
     page.resources.forget_motors()
     added = f"Added {counted(len(motors), 'motor')}: {', '.join(one.designation for one in motors[:4])}"
-    page.show_notice(
-        "; ".join([added, *map(str, errors), *(remark for motor in motors for remark in motor.remarks)][:4])
-    )
-    page.field_app.changed()
+    remarks = (remark for motor in motors for remark in motor.remarks)
+    page.show_change("; ".join([added, *map(str, errors), *remarks][:4]))

@@ -305,7 +305,7 @@ class SetupScreen(PageScreen):
         elif name == "theme":
             self.field_app.choose(theme=THEMES[(THEMES.index(settings.theme) + 1) % len(THEMES)])
         elif name == "target":
-            self.field_app.ask_target()
+            self.field_app.action_ask_target()
         elif name == "rail":
             ask_rail(self)
         elif name == "card":
