@@ -20,7 +20,7 @@ from fieldkit.files import write
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
-    from fieldkit.importing import ColumnChoice, Rejected
+    from fieldkit.importing import Rejected
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
     from fieldkit.services.imports import Gathered, Receipt
@@ -71,7 +71,7 @@ def inspect(
     """
     from fieldkit.presentation.import_view import document, lines
 
-    gathered = _gathered(files, format, given, columns)[0]
+    gathered, _ = _gathered(files, format, given, columns)
     _complain_of(gathered.rejected, ())
     if json:
         print_json(document(gathered.files))
@@ -87,25 +87,15 @@ def inspect(
 
 def _gathered(
     files: Sequence[Path], format: str | None, given: Sequence[str] | None, columns: Sequence[str] | None
-) -> "tuple[Gathered, list[ColumnChoice], Catalogue]":
-    """The contents of files, as for an import, with the column mappings used and the motors."""
-    from fieldkit.importing.tables.mapping import read_choice, remembered
-    from fieldkit.services.imports import gather
+) -> "tuple[Gathered, Catalogue]":
+    """The contents of files, as for an import, and the motors."""
+    from fieldkit.services.imports import gather, read_as
 
-    choices = ([read_choice(columns)] if columns else []) + list(remembered())
     check_motor = MotorCheck()
-    defaults = read_settings(split_settings(given or ()), check_motor)
+    how = read_as(format, read_settings(split_settings(given or ()), check_motor), columns or ())
     with progress("reading") as on_progress:
-        gathered = gather(
-            files,
-            check_motor,
-            format=format,
-            defaults=defaults,
-            choices=choices,
-            jobs=os.cpu_count() or 1,
-            on_progress=on_progress,
-        )
-    return gathered, choices, check_motor.catalogue
+        gathered = gather(files, check_motor, how, jobs=os.cpu_count() or 1, on_progress=on_progress)
+    return gathered, check_motor.catalogue
 
 
 @app.command("import")
@@ -124,16 +114,12 @@ def import_(
 
     Rejected rows and files are listed; the rest is imported.
     """
-    from fieldkit.importing.tables.mapping import remember
     from fieldkit.services.imports import take_in
 
-    gathered, choices, motors = _gathered(files, format, given, columns)
+    gathered, motors = _gathered(files, format, given, columns)
     with open_ledger(context) as ledger:
-        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=motors)
+        receipt = take_in(ledger, gathered, dry_run=dry_run, motors=motors)
         forecasts = [] if json or dry_run or not receipt.ids else list(_forecast_lines(ledger, receipt.ids))
-    for mapped in receipt.mapped:
-        if mapped.chosen and not dry_run:
-            remember(mapped.choice)
     _complain_of(receipt.rejected, receipt.notes)
     if json:
         print_json(_document(receipt))

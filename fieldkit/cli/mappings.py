@@ -21,9 +21,10 @@ def mappings(
     json: AsJson = False,
 ) -> None:
     """List, change, or delete saved column mappings of tables."""
+    from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.imports.mappings import edit as change
     from fieldkit.services.imports.mappings import forget as drop
-    from fieldkit.services.imports.mappings import in_words, list_mappings
+    from fieldkit.services.imports.mappings import in_words
 
     if (edit is None) != (not columns):
         raise typer.BadParameter("found one of --edit and --map, expected both")
@@ -31,7 +32,7 @@ def mappings(
         change(edit, columns)
     if forget is not None:
         drop(forget)
-    known = list_mappings()
+    known = remembered()
     if json:
         rows = [
             {"number": number, "of": in_words(one)[0], "headers": list(one.headers), "map": dict(one.channels)}

@@ -104,10 +104,10 @@ BIG = """
 import resource, sys, time
 from pathlib import Path
 from fieldkit.errors import FieldkitError
-from fieldkit.services.imports import gather
+from fieldkit.services.imports import ReadAs, gather
 start = time.monotonic()
 try:
-    got = gather([Path(sys.argv[1])], lambda name: None, format=sys.argv[2])
+    got = gather([Path(sys.argv[1])], lambda name: None, ReadAs(sys.argv[2]))
     said = f"{len(got.incoming_flights)} flights, {len(got.rejected)} rejected, {len(got.notes)} notes"
 except FieldkitError as error:
     said = str(error)[:100]

@@ -20,14 +20,15 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label
-from fieldkit.importing import ColumnChoice, Mapped, Rejected
+from fieldkit.importing import ColumnChoice, Rejected
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.importing.read import read_stored
+from fieldkit.importing.tables.mapping import remember
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.ledger import Ledger, Renewal
 from fieldkit.motors import Catalogue, catalogue
-from fieldkit.services.imports.gather import Gathered, gather
+from fieldkit.services.imports.gather import Gathered, ReadAs, gather
 from fieldkit.services.imports.remeasure import as_held, format_of, renewed, which
 from fieldkit.services.imports.view import FileView
 from fieldkit.services.plausible_flights import excluded_readouts, implausible_flights, incomplete_flights, outlying
@@ -183,7 +184,6 @@ class Receipt:
     duplicates: int
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
-    mapped: tuple[Mapped, ...] = ()
     joined: tuple[str, ...] = ()
     implausible: tuple[str, ...] = ()
     files: tuple[FileView, ...] = ()
@@ -198,22 +198,19 @@ def bring_in(
     defaults: Mapping[str, object] | None = None,
     motors: Catalogue | None = None,
 ) -> Receipt:
-    """Import files as one change: `gather` and `take_in`."""
-    return take_in(ledger, gather(paths, check_motor, defaults=defaults), motors=motors)
+    """Import files as one change: `gather` and `take_in`. Raises FieldkitError as these."""
+    return take_in(ledger, gather(paths, check_motor, ReadAs(defaults=defaults or {})), motors=motors)
 
 
-def take_in(
-    ledger: "Ledger",
-    gathered: Gathered,
-    *,
-    choices: Sequence[ColumnChoice] = (),
-    dry_run: bool = False,
-    motors: Catalogue | None = None,
-) -> Receipt:
-    """Add gathered files to a ledger as one change. `choices` are the column choices used in gathering. With `motors`,
-    notes name new flights that are impossible on their motor, and those that no fit can use."""
-    sorting = sorted_out(ledger, gathered.incoming_flights, choices)
+def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False, motors: Catalogue | None = None) -> Receipt:
+    """Add gathered files to a ledger as one change, and save how the flyer chose the columns of tables. With `motors`,
+    notes name new flights that are impossible on their motor, and those that no fit can use. Raises FieldkitError if
+    something cannot be saved."""
+    sorting = sorted_out(ledger, gathered.incoming_flights, gathered.choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
+    for mapped in gathered.mapped:
+        if mapped.chosen and not dry_run:
+            remember(mapped.choice)
     conflicts = (Rejected(one.incoming.source, one.incoming.row, "flight_id", one.error) for one in added.conflicts)
     implausible = tuple(_implausible(sorting.new, motors)) if motors else ()
     unused = tuple(_excluded_readouts(sorting.new, motors)) if motors else ()
@@ -231,7 +228,6 @@ def take_in(
             *_outlying(ledger, sorting.new, set(added.new), motors or catalogue()),
             *_corrected(ledger, sorting.new, set(added.new)),
         ),
-        gathered.mapped,
         tuple(one.id for one in sorting.renewals),
         implausible,
         gathered.files,

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
@@ -12,6 +12,7 @@ from fieldkit.flight import FIELDS, MEASURED, Flight
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
 from fieldkit.importing.read import OpenedFile, imported_files, open_file, read
+from fieldkit.importing.tables.mapping import read_choice, remembered
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.messages import marked, message
 from fieldkit.parallel import processes
@@ -26,6 +27,22 @@ _NOTHING_GIVEN: Mapping[str, object] = {}
 
 
 @dataclass(frozen=True, slots=True)
+class ReadAs:
+    """How files are read: the parser by name, None to recognize it; values for fields that flights lack; the channels
+    of the columns of tables, by the best choice first."""
+
+    format: str | None = None
+    defaults: Mapping[str, object] = field(default_factory=dict)
+    choices: tuple[ColumnChoice, ...] = ()
+
+
+def read_as(format: str | None, defaults: Mapping[str, object], columns: Sequence[str]) -> ReadAs:
+    """How the flyer wants files to be read: with columns as typed (`altitude=Alt (ft)`), else as in an earlier table
+    with the same headers. Raises BadValue, FieldkitError if those that are saved cannot be read."""
+    return ReadAs(format, defaults, (*([read_choice(columns)] if columns else []), *remembered()))
+
+
+@dataclass(frozen=True, slots=True)
 class Gathered:
     """The contents of files, read before a ledger is opened; their bytes are compressed."""
 
@@ -36,6 +53,8 @@ class Gathered:
     files: tuple[FileView, ...] = ()
     unusable: int = 0
     """Number of files that could not be used at all; each is also in `rejected`. [1]"""
+    choices: tuple[ColumnChoice, ...] = ()
+    """The column choices that they were read with."""
 
 
 MIN_FILES_FOR_JOBS = 8
@@ -62,21 +81,18 @@ class _Refused:
 def gather(
     paths: Sequence[Path],
     check_motor: CheckMotor,
+    how: ReadAs = ReadAs(),
     *,
-    format: str | None = None,
-    defaults: Mapping[str, object] | None = None,
-    choices: Sequence[ColumnChoice] = (),
     jobs: int = 1,
     on_progress: ReportProgress = no_op,
 ) -> Gathered:
     """Read files for one import.
 
-    `defaults` are values for fields that flights lack. `choices` assign columns of tables to channels, best first. A
-    folder stands for the files in it. If one of several files cannot be used at all, it is listed in `rejected` and
+    A folder stands for the files in it. If one of several files cannot be used at all, it is listed in `rejected` and
     counted in `unusable`; if it is the only file, its FieldkitError is raised. With `jobs` above 1, that many processes
     read files in parallel.
     """
-    found = list(_read_all(_files(paths), format, tuple(choices), jobs, on_progress))
+    found = list(_read_all(_files(paths), how, jobs, on_progress))
     refused = [one for one in found if isinstance(one, _Refused)]
     if len(found) == 1 and refused:
         raise refused[0].error
@@ -95,7 +111,7 @@ def gather(
         first, first_note = len(incoming_flights), len(notes)
         notes += imported.notes
         for flight, row in zip(imported.flights, imported.rows, strict=True):
-            given = _left_open(flight, defaults) if defaults else _NOTHING_GIVEN
+            given = _left_open(flight, how.defaults) if how.defaults else _NOTHING_GIVEN
             others = tuple(by_digest[one] for one in flight.extra.get(OTHER_LOGS, "").split() if one in by_digest)
             complete = flight.with_changes(**given) if given else flight
             incoming = IncomingFlight(complete, original, name, row, given, others)
@@ -111,7 +127,8 @@ def gather(
                 notes += [message(marked(one)) for one in damage]
         views.append(file_view(imported, [one.flight for one in incoming_flights[first:]], notes[first_note:]))
     mapped = tuple(one for imported in read_files for one in imported.mapped)
-    return Gathered(tuple(incoming_flights), tuple(rejected), tuple(notes), mapped, tuple(views), len(refused))
+    found_in = mapped, tuple(views), len(refused), how.choices
+    return Gathered(tuple(incoming_flights), tuple(rejected), tuple(notes), *found_in)
 
 
 def _files(paths: Sequence[Path]) -> list[Path]:
@@ -126,14 +143,10 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 
 def _read_all(
-    paths: Sequence[Path],
-    format: str | None,
-    choices: tuple[ColumnChoice, ...],
-    jobs: int,
-    on_progress: ReportProgress,
+    paths: Sequence[Path], how: ReadAs, jobs: int, on_progress: ReportProgress
 ) -> Iterator[_OneRead | _Refused]:
     """The contents of files, in order."""
-    one = partial(_read_one, format=format, choices=choices)
+    one = partial(_read_one, how=how)
     if jobs < 2 or len(paths) < MIN_FILES_FOR_JOBS:
         for number, path in enumerate(paths):
             if len(paths) > 1:
@@ -146,7 +159,7 @@ def _read_all(
             yield from found
 
 
-def _read_one(path: Path, format: str | None, choices: tuple[ColumnChoice, ...]) -> list[_OneRead | _Refused]:
+def _read_one(path: Path, how: ReadAs) -> list[_OneRead | _Refused]:
     """The contents of a file: a capture holds several logs."""
     try:
         logs = _logs(path)
@@ -156,7 +169,7 @@ def _read_one(path: Path, format: str | None, choices: tuple[ColumnChoice, ...])
     while logs:
         name, content = logs.pop(0)
         try:
-            opened = open_file(name, content, format, choices)
+            opened = open_file(name, content, how.format, how.choices)
         except FieldkitError as error:
             found.append(_Refused(name, error))
         else:

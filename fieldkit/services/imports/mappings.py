@@ -1,6 +1,6 @@
 """Saved column mappings: listed, edited, deleted."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -27,7 +27,7 @@ from fieldkit.importing.tables.text import decode, first_names, first_row, no_co
 from fieldkit.services.imports.gather import read_file
 from fieldkit.units import UNITS, Unit, typed_unit
 
-__all__ = ["TableColumns", "columns_of", "edit", "forget", "in_words", "list_mappings", "table_columns"]
+__all__ = ["TableColumns", "columns_of", "edit", "forget", "in_words", "table_columns"]
 MAX_ROWS = 3
 """Number of first rows of a table that are shown. [1]"""
 
@@ -105,7 +105,7 @@ def columns_of(choice: ColumnChoice) -> TableColumns:
 def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
     """Replace the columns of a saved mapping, for the same headers. Raises BadValue for a column that these lack,
     FieldkitError if it cannot be saved."""
-    typed, known = list(texts), list_mappings()
+    typed, known = list(texts), remembered()
     if 1 <= number <= len(known) and known[number - 1].headers:
         columns = columns_of(known[number - 1])
         for channel, column in read_choice(typed).channels.items():
@@ -164,11 +164,6 @@ def _of_flights(head: bytes) -> TableColumns:
 def _looks_of_flights(head: bytes) -> bool:
     """Whether a column of a table belongs to flights."""
     return any(role_of(name, strict=False).field for name in table_names(head))
-
-
-def list_mappings() -> Sequence[ColumnChoice]:
-    """The saved column mappings, newest first: `forget` and `edit` count them from 1. Raises FieldkitError."""
-    return remembered()
 
 
 def in_words(choice: ColumnChoice) -> tuple[str, str, str]:

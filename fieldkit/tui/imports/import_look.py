@@ -1,4 +1,4 @@
-"""Files on the Import page: the files of a folder, the preview of one, and storing it."""
+"""Files on the Import page: the files of a folder, the preview of one, also of a design, and storing it."""
 
 import re
 from collections.abc import Mapping
@@ -10,21 +10,19 @@ from pathlib import Path
 from textual.content import Content
 
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import read_changes
-from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.recognize import check_format
-from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+from fieldkit.openrocket import MAX_UNPACKED_SIZE, Design, read_design
 from fieldkit.paths import expanded
-from fieldkit.quantities import counted, in_system
+from fieldkit.quantities import counted, in_system, measure
 from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
-from fieldkit.services.imports import Receipt, gather, take_in
+from fieldkit.services.imports import ReadAs, Receipt, gather, read_as, read_file, take_in
 from fieldkit.services.weather import NamedWeather
 from fieldkit.tui.flights import logged
 from fieldkit.tui.imports.weather_file import weather_of_file
 from fieldkit.tui.resources import Resources
-from fieldkit.tui.setup.design_look import SUFFIXES, design_at
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.hanging import Hanging
@@ -70,13 +68,9 @@ class ReadOptions:
         """The files to read together with the current one."""
         return self.marked if path in self.marked else (path,)
 
-    def defaults(self) -> dict[str, object]:
-        """Values that files lack, as fields of a flight. Raises BadValue."""
-        return read_changes(Flight(), self.given)
-
-    def named(self) -> list[ColumnChoice]:
-        """The column mapping as typed. Raises BadValue."""
-        return [read_choice(self.columns)] if self.columns else []
+    def how(self) -> ReadAs:
+        """What was typed, as read. Raises BadValue."""
+        return read_as(self.format, read_changes(Flight(), self.given), self.columns)
 
 
 def folder_text(folder: Path) -> str:
@@ -140,11 +134,7 @@ def _by_key(options: re.Match[str]) -> str:
 
 def store(resources: Resources, path: Path, reading: ReadOptions) -> Receipt:
     """Store a file in the ledger, and save its column mapping."""
-    receipt, _ = _bring_in(resources, path, reading, dry_run=False)
-    for mapped in receipt.mapped:
-        if mapped.chosen:
-            remember(mapped.choice)
-    return receipt
+    return _bring_in(resources, path, reading, dry_run=False)[0]
 
 
 def stored_in_words(receipt: "Receipt") -> str:
@@ -157,10 +147,8 @@ def _bring_in(
     resources: Resources, path: Path, reading: ReadOptions, *, dry_run: bool
 ) -> tuple[Receipt, tuple[Flight, ...]]:
     """The result of importing a file, and its flights."""
-    choices = [*reading.named(), *remembered()]
-    paths, defaults = reading.together(path), reading.defaults()
-    found = gather(paths, resources.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
-    receipt = take_in(resources.ledger, found, choices=choices, dry_run=dry_run, motors=resources.motors)
+    found = gather(reading.together(path), resources.motors.complaint, reading.how())
+    receipt = take_in(resources.ledger, found, dry_run=dry_run, motors=resources.motors)
     return receipt, tuple(incoming.flight for incoming in found.incoming_flights)
 
 
@@ -190,9 +178,8 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if look.owner:
         parts.append(f"\n! already in the ledger as a flight of {printable(look.owner)}")
     if receipt.ids:
-        lacking = ", ".join(
-            f"no {name}" for name in ("rocket", "motor") if _lack(look.flights, name) and name not in given
-        )
+        unnamed = (name for name in ("rocket", "motor") if not all(getattr(flight, name) for flight in look.flights))
+        lacking = ", ".join(f"no {name}" for name in unnamed if name not in given)
         parts.append(f"\n! {lacking} in the file: Enter asks for what it lacks" if lacking else "")
         parts.append(("\nEnter to import", "b"))
     return Content.assemble(*parts)
@@ -202,10 +189,6 @@ def _unnamed(look: Look, note: str) -> str:
     """A note without the name of its file, which is above it; with it if several files are read together."""
     name = look.path.name
     return printable(shortened(note).removeprefix(f"{name}: ").removeprefix(f"{name}, "))
-
-
-def _lack(flights: tuple[Flight, ...], name: str) -> bool:
-    return any(not getattr(flight, name) for flight in flights)
 
 
 def what_it_holds(look: Look, system: str) -> Hanging:
@@ -266,3 +249,33 @@ def check_path(text: str) -> None:
     """Raises BadValue for a path at which there is no file or folder; an empty one cancels."""
     if text.strip() and not exists(typed_path(text)):
         raise BadValue(f"{typed_path(text)}: no such file or folder")
+
+
+SUFFIXES = (".ork", ".rkt", ".cdx1")
+
+
+def design_at(path: Path, given: Mapping[str, str], system: str) -> tuple[Configuration, tuple[str, ...]]:
+    """The start of a rocket from a design, with its text.
+
+    Rocket and configuration come from `given`, or else the rocket from the file. Raises FieldkitError if the file
+    cannot be read or the rocket is named in neither.
+    """
+    design = read_design(read_file(path, most=MAX_UNPACKED_SIZE, kind="a design"), path.name)
+    name = given.get("rocket") or design.name
+    if not name:
+        raise BadValue(f"{path.name}: found no name of the rocket, expected one; press e to enter it")
+    config = given.get("config", "")
+    start = design.start(name, config, path.name)
+    return start, (*_facts(start, design, system), *design.notes)
+
+
+def _facts(start: Configuration, design: Design, system: str) -> list[str]:
+    facts = [f"starts {start.rocket} {start.config}".rstrip()]
+    if start.dry_mass is not None:
+        facts.append(f"{measure(BY_NAME['dry_mass'], start.dry_mass, system)} without motor, from {design.mass_by}")
+    if start.diameter is not None:
+        facts.append(f"{measure(BY_NAME['diameter'], start.diameter, system)} across")
+    if start.margin is not None:
+        facts.append(f"stability {start.margin:.1f} calibers with its motor, at small angles")
+    facts.append(f"Cd {start.cd:.2f}, from {design.cd_by}" if start.cd else "no Cd in the file")
+    return facts

@@ -117,12 +117,12 @@ def ask_columns(
         if isinstance(columns, str):
             page.complain(columns)
         else:
-            page.app.push_screen(MappingForm(_with(columns, earlier)), partial(answered, columns))
+            page.ask_form(MappingForm(_with(columns, earlier)), partial(answered, columns))
 
-    def answered(columns: TableColumns, values: dict[str, object] | None) -> None:
-        if values is not None and OTHER_ROWS in values:
+    def answered(columns: TableColumns, values: dict[str, object]) -> None:
+        if OTHER_ROWS in values:
             ask_columns(page, path, answer, earlier, "flights" if columns.of == "samples" else "samples")
-        elif values is not None:
+        else:
             answer([f"{name}={column}" for name, column in values.items() if column])
 
     page.ask(or_why(partial(table_columns, path, of)), show, "columns")
@@ -294,12 +294,10 @@ class ImportScreen(PageScreen):
 
     def _stored(self, receipt: Receipt) -> None:
         self._marked = ()
-        self.show_notice(stored_in_words(receipt))
-        self.field_app.changed()
+        self.show_change(stored_in_words(receipt))
 
     def _kept(self, new: bool) -> None:
-        self.show_notice("Saved as this rocket's starting point. u to undo" if new else "Saved already")
-        self.field_app.changed()
+        self.show_change("Saved as this rocket's starting point. u to undo" if new else "Saved already")
 
     def action_reload(self) -> None:
         """List new and changed files; the cursor stays on its file."""
@@ -333,8 +331,7 @@ class ImportScreen(PageScreen):
     def _read_as(self, reading: ReadOptions) -> None:
         """Read the file under the cursor, and files marked with it, with these options; show why if it fails."""
         try:
-            reading.defaults()
-            reading.named()
+            reading.how()
         except FieldkitError as error:
             self.complain(by_keys(str(error)))
             return

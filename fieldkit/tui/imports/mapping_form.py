@@ -15,9 +15,9 @@ from fieldkit.flight import BY_NAME
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.manual_entry import Question
 from fieldkit.importing.tables.headings import QUANTITIES
-from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTOR_MASS
+from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTOR_MASS, remembered
 from fieldkit.safe_text import printable
-from fieldkit.services.imports.mappings import TableColumns, columns_of, edit, forget, in_words, list_mappings
+from fieldkit.services.imports.mappings import TableColumns, columns_of, edit, forget, in_words
 from fieldkit.services.pickers import OfferedAnswer, Source, among
 from fieldkit.tui.add.fields import Field, Form
 from fieldkit.tui.help import Help
@@ -188,7 +188,7 @@ class MappingList(HelpedModal[None]):
         self.set_focus(self.query_one(Table))
 
     def _show(self) -> None:
-        self._known = list_mappings()
+        self._known = remembered()
         heads = [Head("of", 8), Head("columns", 40), Head("headings of the table", 0)]
 
         def cells(number: int) -> tuple[str, str, str]:
