@@ -22,6 +22,7 @@ from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.limits import MAX_NAME
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger
 from fieldkit.motors import own
 from fieldkit.presentation.export import csv_table
@@ -58,7 +59,7 @@ def test_hostile_text_is_escaped_in_the_terminal_and_exported_unchanged(
         "1", rocket=hostile[:40], site=hostile[:MAX_NAME], notes=hostile, apogee=100.0, extra={"Lot": hostile}
     )
     with Ledger.open() as ledger:
-        ledger.add([flight], source=f"{hostile[:40]}.csv")
+        ledger.add([IncomingFlight(flight, source=f"{hostile[:40]}.csv")])
         ledger.tag("1", hostile[:40].replace(";", ""))  # which separates tags in a table
     for command in (
         ["flights"],
@@ -180,7 +181,7 @@ def test_an_endless_motor_file_is_not_read(tmp_path: Path, monkeypatch: pytest.M
 def test_a_log_that_expands_to_more_than_its_stated_size_is_not_unpacked(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
-        ledger.add([Flight(flight_id="1", rocket="Astra")], log=bytes(10_000_000))
+        ledger.add([IncomingFlight(Flight(flight_id="1", rocket="Astra"), Original.of(bytes(10_000_000)))])
     engine = create_engine(f"sqlite:///{file}")
     with engine.begin() as connection:
         connection.execute(text("UPDATE logs SET size = 1000"))

@@ -14,13 +14,14 @@ from bench.faults.ledgers import Outcome, state
 from bench.faults.servers import emptied, recovered_server
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger, Renewal
 from fieldkit.rocket import Configuration
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 Change = Callable[[Ledger], object]
 CHANGES: dict[str, Change] = {
-    "add": lambda ledger: ledger.add([SECOND], log=b"another log"),
+    "add": lambda ledger: ledger.add([IncomingFlight(SECOND, Original.of(b"another log"))]),
     "edit": lambda ledger: ledger.edit("1", apogee=110.0),
     "edit all": lambda ledger: ledger.edit_all(["1"], "config", config="B"),
     "tag": lambda ledger: ledger.tag("1", "mine", "weak_launch"),
@@ -75,7 +76,7 @@ def _failure(ledger: Ledger, change: Change) -> str:
 
 def _furnish(ledger: Ledger) -> None:
     """Add a record of each kind, so that each change has what it needs; the last one is undone."""
-    ledger.add([FIRST], log=b"a log")
+    ledger.add([IncomingFlight(FIRST, Original.of(b"a log"))])
     ledger.keep_version("Astra", {"effect": "wind"})
     ledger.keep_prediction({"p50": 1.0}, digest="d1", rocket="Astra")
     ledger.keep_design(Configuration("Astra", "A", 0.3))

@@ -7,6 +7,7 @@ from contextlib import closing
 from datetime import datetime
 from math import isfinite
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from fieldkit.flight import Flight
@@ -37,15 +38,14 @@ def first_rows(where: str | Path | None, most: int) -> list[tuple[str, Flight]]:
             connection.execute("PRAGMA trusted_schema = OFF")
             if connection.execute(HAS_UNUSUAL).fetchone() != (0,):
                 return []
-            return [_listed(*row) for row in connection.execute(SELECT_NEWEST, (most,))]
+            return [_listed(row) for row in connection.execute(SELECT_NEWEST, (most,))]
     except (sqlite3.Error, TypeError, ValueError):
         return []
 
 
-def _listed(
-    id: str, rocket: str, config: str, motor: str, apogee: float | None, moment: str, log: str
-) -> tuple[str, Flight]:
+def _listed(row: tuple[Any, ...]) -> tuple[str, Flight]:
     """A flight from its row. Raises TypeError or ValueError for values that no ledger has unless it is damaged."""
+    id, rocket, config, motor, apogee, moment, log = row
     height = None if apogee is None else float(apogee)
     if not (all(isinstance(text, str) for text in (id, rocket, config, motor, log)) and isfinite(height or 0.0)):
         raise ValueError("found a damaged row")

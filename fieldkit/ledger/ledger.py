@@ -17,7 +17,7 @@ from sqlalchemy import Connection, Engine
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.importing.incoming import IncomingFlight, Original
+from fieldkit.importing.incoming import IncomingFlight
 from fieldkit.ledger import book, drafts, finding, journal, logs, models, naming, opening, past, rockets, whereabouts
 from fieldkit.ledger.drafts import Content
 from fieldkit.ledger.journal import Change, ChangeRecorder, UndoStep
@@ -93,14 +93,12 @@ class Ledger:
         self,
         flights: Iterable[Flight | IncomingFlight],
         *,
-        log: bytes | None = None,
-        source: str = "",
         command: str = "import",
         draft: str | None = None,
         renewals: Sequence[Renewal] = (),
         dry_run: bool = False,
     ) -> Added:
-        """Add flights; `log` and `source` apply to those that do not come with their own.
+        """Add flights.
 
         A flight that is in the ledger, in its current or its imported state, is a duplicate and changes nothing; so is
         a flight from the same bytes, whatever a newer parser reads from them. A flight that exists with other content,
@@ -108,10 +106,7 @@ class Ledger:
         the draft that these flights complete: it is deleted with the import, and restored if the import is undone. A
         dry run reports what would happen. Raises LedgerError if the ledger cannot be written.
         """
-        original = None if log is None else Original.of(log)
-        incoming_flights = [
-            one if isinstance(one, IncomingFlight) else IncomingFlight(one, original, source) for one in flights
-        ]
+        incoming_flights = [one if isinstance(one, IncomingFlight) else IncomingFlight(one) for one in flights]
         with self._changing(keep=not dry_run) as recorder:
             renewed = [one.id for one in renewals if _renew(recorder, one)]
             added = book.add(recorder, incoming_flights)

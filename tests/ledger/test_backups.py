@@ -16,6 +16,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger, backups, restoring, soundness
 from fieldkit.ledger.schema import STEPS
 from tests.commands import Run
@@ -207,7 +208,9 @@ def test_damage_that_sqlite_does_not_detect_never_replaces_a_good_backup(
 ) -> None:
     file, copy = tmp_path / "ledger.db", tmp_path / "copy.db"
     with Ledger.open(file) as ledger:
-        ledger.add([Flight(flight_id="1", rocket="Astra", apogee=100.0, tags=("mine",))], log=b"a log")
+        ledger.add(
+            [IncomingFlight(Flight(flight_id="1", rocket="Astra", apogee=100.0, tags=("mine",)), Original.of(b"a log"))]
+        )
         ledger.add([Flight(flight_id="2", rocket="Astra")])
     copy.write_bytes(file.read_bytes())
     with Ledger.open(file) as ledger:

@@ -179,7 +179,9 @@ def test_a_flight_edited_later_is_still_a_duplicate_of_its_row(ledger: Ledger) -
 
 def test_a_dry_run_says_what_would_happen_and_changes_nothing(ledger: Ledger) -> None:
     ledger.add([FIRST])
-    added = ledger.add([FIRST, SECOND], log=b"bytes", dry_run=True)
+    added = ledger.add(
+        [IncomingFlight(FIRST, Original.of(b"bytes")), IncomingFlight(SECOND, Original.of(b"bytes"))], dry_run=True
+    )
     assert (added.new, added.duplicates) == (("2",), 1)
     assert ledger.flights() == [FIRST]
     assert len(ledger.history()) == 1
@@ -347,8 +349,8 @@ def test_one_unknown_id_among_several_removes_nothing(ledger: Ledger) -> None:
 
 
 def test_the_bytes_of_a_log_are_returned_unchanged(ledger: Ledger) -> None:
-    ledger.add([FIRST], log=b"\0\xff" * 5000)
-    ledger.add([SECOND], log=b"two")
+    ledger.add([IncomingFlight(FIRST, Original.of(b"\0\xff" * 5000))])
+    ledger.add([IncomingFlight(SECOND, Original.of(b"two"))])
     assert ledger.log("1") == b"\0\xff" * 5000
     ledger.remove("1")
     ledger.undo()

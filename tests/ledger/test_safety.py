@@ -18,6 +18,7 @@ from sqlalchemy import create_engine, event, make_url
 from fieldkit.cli.main import main
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger, backups, opening, schema, soundness, whereabouts
 from fieldkit.ledger.first_rows import first_rows
 from fieldkit.ledger.tables import metadata
@@ -29,10 +30,12 @@ FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
 ADDS = """
 import sys
 from fieldkit.flight import Flight
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger
 with Ledger.open(sys.argv[1]) as ledger:
     for number in range(100000):
-        ledger.add([Flight(flight_id=str(number), rocket="Astra", tags=("a", "b"))], log=bytes(20000))
+        flight = Flight(flight_id=str(number), rocket="Astra", tags=("a", "b"))
+        ledger.add([IncomingFlight(flight, Original.of(bytes(20000)))])
         print(number, flush=True)
 """
 
@@ -221,7 +224,13 @@ CHANGES = (
 def test_a_row_that_differs_from_what_was_written_is_damage(change: str, tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
-        ledger.add([FIRST.with_changes(notes="Qual flight 2", extra={"Weather": "grey"})], log=b"a log")
+        ledger.add(
+            [
+                IncomingFlight(
+                    FIRST.with_changes(notes="Qual flight 2", extra={"Weather": "grey"}), Original.of(b"a log")
+                )
+            ]
+        )
         for effect in ("wind", "wear"):
             ledger.keep_version("Astra", {"effect": effect})
         ledger.keep_prediction({"apogee_m": 250.0}, digest="d", rocket="Astra")
@@ -327,7 +336,7 @@ def test_a_full_disk_changes_nothing_and_reports_it(tmp_path: Path) -> None:
         ledger.add([FIRST])
         event.listen(ledger._engine, "begin", lambda conn: conn.exec_driver_sql("PRAGMA max_page_count = 1"))
         with pytest.raises(LedgerError, match="disk is full"):
-            ledger.add([FIRST.with_changes(flight_id="2")], log=os.urandom(100_000))
+            ledger.add([IncomingFlight(FIRST.with_changes(flight_id="2"), Original.of(os.urandom(100_000)))])
         assert ledger.flights() == [FIRST]
 
 
