@@ -90,12 +90,12 @@ def looked_at() -> Any:
     from fieldkit.motors import catalogue
     from fieldkit.physics.effect import effects
     from fieldkit.selection import candidates
-    from fieldkit.services.close_loop import close_loop
+    from fieldkit.services.close_loop import diagnosis_of
     from fieldkit.services.findings import findings
 
     some = {name: effects()[name] for name in ("wind", "motor_thrust", "altimeter_scale", "wear")}
     with unchecked(), patch.object(candidates, "effects", lambda: some), Ledger.open(_season()) as ledger:
-        return findings("Astra", close_loop(ledger, catalogue(), "Astra", accept=False))
+        return findings("Astra", diagnosis_of(ledger, catalogue(), "Astra"))
 
 
 def unchecked() -> Any:

@@ -9,7 +9,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.selection.prior import UNEXPLAINED
-from fieldkit.services.close_loop import close_loop
+from fieldkit.services.close_loop import diagnosis_of
 from tools.markdown import table
 
 NAMED, CERTAIN = 0.7, 0.8
@@ -25,7 +25,7 @@ def main(paths: list[str]) -> None:
         with Ledger.open(path) as ledger:
             for rocket in ledger.names("rocket"):
                 try:
-                    found = close_loop(ledger, motors, rocket, accept=False)
+                    found = diagnosis_of(ledger, motors, rocket)
                 except FieldkitError:  # too few flights
                     continue
                 verdict = found.verdict

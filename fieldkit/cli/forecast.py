@@ -129,7 +129,7 @@ def _predicted(
         try:
             return predict_plans(ledger, motors, plans, model.value, on_progress=on_progress), None
         except LedgerError as error:
-            return predict_plans(ledger, motors, plans, model.value, keep=False, on_progress=on_progress), error
+            return predict_plans(ledger, motors, plans, model.value, save="nothing", on_progress=on_progress), error
 
 
 def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]", *, json: bool) -> None:

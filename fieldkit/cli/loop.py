@@ -11,6 +11,7 @@ from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progr
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.errors import BadValue
+from fieldkit.progress import part
 from fieldkit.quantities import ShownUnits
 
 app = typer.Typer()
@@ -66,7 +67,7 @@ def loop(
         return
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.presentation.loop_text import report
-    from fieldkit.services import close_loop
+    from fieldkit.services.close_loop import adopt, diagnosis_of, findings_of
     from fieldkit.services.forecasts import which_rocket
 
     if page is not None:
@@ -78,9 +79,11 @@ def loop(
         name = which_rocket(ledger, rocket)
         given, declined = (names.split("+") if names else [] for names in (effect, decline))
         with progress("searching for missing effects") as on_progress:
-            found = close_loop.look(
-                ledger, known_motors(), name, on_progress, accept=not look, given=given, declined=declined
-            )
+            motors = known_motors()
+            diagnosis = diagnosis_of(ledger, motors, name, part(on_progress, 0.0, 0.7), given, declined)
+            if not look:
+                adopt(ledger, name, diagnosis)
+            found = findings_of(ledger, motors, name, diagnosis, part(on_progress, 0.7, 0.3))
     if page is not None:
         write_page(found, page, force=force, system=system())
         complain(f"Wrote the report to {page}")

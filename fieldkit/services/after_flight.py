@@ -80,7 +80,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
     before = _forecast(ledger, motors, flight)
     if before is None or not plausible([flight], motors):
         return None
-    (after,) = predict_plans(ledger, motors, [before.plan.with_changes(flight_id="", date_time=None)], keep=False)
+    (after,) = predict_plans(ledger, motors, [before.plan.with_changes(flight_id="", date_time=None)], save="nothing")
     kept, beside = of_flight(ledger, motors, flight), flight_beside_others(ledger, motors, flight)
     expected = beside.interval if beside is not None else None
     return Outcome(

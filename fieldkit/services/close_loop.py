@@ -30,20 +30,18 @@ SAME_PROBABILITY = 0.01
 """Two averages are the same if their probabilities differ by less than this. [1]"""
 
 
-def close_loop(
+def diagnosis_of(
     ledger: Ledger,
     motors: Catalogue,
     rocket: str,
-    *,
-    accept: bool = True,
     on_progress: ReportProgress = no_op,
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Diagnosis:
-    """Diagnose a rocket's flights and from now on predict with an average over all probable effects.
+    """The diagnosis of a rocket's flights; nothing is saved.
 
     `given` are effects that the flyer knows to be present, whatever the evidence, and `declined` those known to be
-    absent. A version is saved only if it differs from the current one. Raises NoFlights for fewer than four clean
+    absent. Raises NoFlights for fewer than four clean
     flights with an apogee, UnknownEffect for a given effect that these flights cannot show, BadValue for a recovery
     figure or rail direction that cannot be read, FieldkitError if the columns chosen for a log cannot be read.
     """
@@ -58,51 +56,42 @@ def close_loop(
     model = rocket_model(history)
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
     forces = logged_forces(model, flight_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
-    diagnosis = diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, forces)
-    if accept:
-        adopt(ledger, rocket, diagnosis)
-    return diagnosis
+    return diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, forces)
 
 
 def look(
+    ledger: Ledger, motors: Catalogue, rocket: str, on_progress: ReportProgress = no_op, fits: Fits | None = None
+) -> Findings:
+    """Diagnose a rocket and collect everything for a report; nothing is saved. `fits` as in `findings_of`, errors as in
+    `diagnosis_of`."""
+    diagnosis = diagnosis_of(ledger, motors, rocket, part(on_progress, 0.0, 0.7))
+    return findings_of(ledger, motors, rocket, diagnosis, part(on_progress, 0.7, 0.3), fits)
+
+
+def findings_of(
     ledger: Ledger,
     motors: Catalogue,
     rocket: str,
+    diagnosis: Diagnosis,
     on_progress: ReportProgress = no_op,
-    *,
-    accept: bool = False,
-    given: Sequence[str] = (),
-    declined: Sequence[str] = (),
     fits: Fits | None = None,
 ) -> Findings:
-    """Diagnose a rocket and collect everything for a report.
-
-    Nothing changes unless `accept`. `fits` as in `fieldkit.forecast.predict.predict`. Raises the errors of
-    `close_loop`.
-    """
-    diagnosis = close_loop(
-        ledger,
-        motors,
-        rocket,
-        accept=accept,
-        on_progress=part(on_progress, 0.0, 0.7),
-        given=given,
-        declined=declined,
-    )
+    """Everything for a report of a rocket's diagnosis; `fits` as in `fieldkit.forecast.predict.predict`. Raises
+    BadValue for flights that cannot be simulated, DamagedModel if the hyperprior cannot be read."""
     history = flown(ledger, motors, rocket)
     assumed = assumed_of(ledger, motors, rocket, [flight for flight, _ in history], diagnosis.averaged)
     fits = {} if fits is None else fits
     flights = beside_others(history, assumed, fits=fits)
     upcoming = next_flight(history, assumed, fits=fits)
-    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), upcoming)
+    found = findings(rocket, diagnosis, on_progress, upcoming)
     return replace(
         found, flights=flights, rivals=rival_scores(history), excluded=tuple(exclusions(ledger.flights(rocket), motors))
     )
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    """From now on predict a rocket with the sets of a diagnosis; does nothing if they are in use already. Raises
-    BadValue for a saved model that cannot be read."""
+    """From now on predict a rocket with an average over the probable sets of effects of a diagnosis; does nothing if
+    they are in use already. Raises BadValue for a saved model that cannot be read."""
     if in_use(ledger, rocket, diagnosis):
         return
     if all(not places for _, places in diagnosis.averaged):

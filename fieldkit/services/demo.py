@@ -14,7 +14,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.progress import ReportProgress, part
 from fieldkit.quantities import counted
-from fieldkit.services.close_loop import look
+from fieldkit.services.close_loop import adopt, look
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import predict_plans, which_rocket
 from fieldkit.services.imports import bring_in
@@ -46,7 +46,8 @@ def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo
     rocket = which_rocket(ledger, None)
     on_progress("predicting", 0.15)
     predictions = predict_plans(ledger, motors, plans(flights))
-    found = look(ledger, motors, rocket, part(on_progress, 0.2, 0.8), accept=True)
+    found = look(ledger, motors, rocket, part(on_progress, 0.2, 0.8))
+    adopt(ledger, rocket, found.diagnosis)
     return Demo(rocket, flights, inferred, predictions, found)
 
 

@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 QUANTILE_COUNT = 40
 """Number of equally likely apogees in a saved prediction, enough for probabilities to 2.5%. [1]"""
 Which = Literal["before", "after"]
+Save = Literal["nothing", "forecasts", "plan"]
+"""What is saved of forecasts. With `plan`, the flyer intends to fly them: saving is a change that can be undone, and
+the next flight to be entered starts from the plan."""
 
 
 def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[tuple[Flight, Found]]:
@@ -139,14 +142,12 @@ def predict_plans(
     plans: Sequence[Flight],
     which: Which = "after",
     *,
-    keep: bool = True,
-    decided: bool = False,
+    save: Save = "forecasts",
     on_progress: ReportProgress = no_op,
 ) -> list[Prediction]:
-    """Predictions of planned flights of any rockets, in the order given, saved in the ledger unless `keep` is False.
+    """Predictions of planned flights of any rockets, in the order given, and saved in the ledger as `save` says.
 
-    With `decided`, the flyer intends to fly them: saving is a change that can be undone, and the next flight to be
-    entered starts from the plan. `on_progress` also reports the fits of other rockets. Raises UnknownMotor, NoFlights
+    `on_progress` also reports the fits of other rockets. Raises UnknownMotor, NoFlights
     for a plan without a rocket if none has flown, ImpossibleFlight for a plan without a mass, BadValue for a
     recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
@@ -157,14 +158,14 @@ def predict_plans(
         planned = [(wholes[row], motors.resolve_several(wholes[row].motor)) for row in rows]
         data = rocket_of(ledger, motors, rocket, which, on_progress=on_progress)
         made = forecasts(data, planned, in_order=True)
-        if keep:
-            _keep(ledger, made, data.flights, which, decided=decided)
+        if save != "nothing":
+            _keep(ledger, made, data.flights, which, as_plan=save == "plan")
         answers |= dict(zip(rows, made, strict=True))
     return [answers[row] for row in range(len(plans))]
 
 
 def _keep(
-    ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which, *, decided: bool
+    ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which, *, as_plan: bool
 ) -> None:
     """Save predictions of one rocket, each with its inputs."""
     version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
@@ -183,7 +184,7 @@ def _keep(
             "rocket": one.plan.rocket,
             "flight_id": one.plan.flight_id,
         }
-        if decided:
+        if as_plan:
             build = f"{one.plan.rocket} {one.plan.config}".strip()
             flown = [flight.flight_id for flight in ledger.flights(one.plan.rocket) if flight.readouts()]
             payload |= {

@@ -138,7 +138,7 @@ def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: 
     texts = answer_texts(plan, ("rocket", "config", "dry_mass", "diameter"))
     save_plan(ledger, texts | typed_weather(ledger)[0])
     full = completed_plan(ledger, motors, plan, settings)
-    (made,) = predict_plans(ledger, motors, [full], decided=True)
+    (made,) = predict_plans(ledger, motors, [full], save="plan")
     return made
 
 

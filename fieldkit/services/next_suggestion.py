@@ -104,5 +104,5 @@ def _nearest_motor(
     nearest = next((one for one in MotorOrder(target).sorted(choices) if one.fits), None)
     if nearest is None:
         return None
-    (made,) = predict_plans(ledger, motors, [nearest.plan], keep=False)
+    (made,) = predict_plans(ledger, motors, [nearest.plan], save="nothing")
     return nearest.name, made.apogee_quantiles()

@@ -33,7 +33,7 @@ def waiting_checklist(ledger: Ledger, motors: Catalogue, settings: Settings) -> 
     if waiting is None:
         return Checklist("any flight", tuple(general_checklist()))
     plan = completed_plan(ledger, motors, Flight().with_changes(**plan_changes(waiting.payload[PLAN])), settings)
-    (made,) = predict_plans(ledger, motors, [plan], keep=False)
+    (made,) = predict_plans(ledger, motors, [plan], save="nothing")
     fall = fall_of(rocket_of(ledger, motors, plan.rocket).history, made.plan, made.found)
     lines = safety_lines(made, site_of(ledger, made.plan.site), fall, limits(data_file("limits.toml")))
     named = " ".join(filter(None, (plan.rocket, plan.config, "on", plan.motor)))

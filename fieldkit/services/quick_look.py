@@ -77,6 +77,6 @@ def predict_quickly(
         (answer,) = answers(ready, ready.flown)
         checked = check(answer)
         logged = any(has_log(flight) for flight in before if flight.clean)
-        fitted = predict_plans(ledger, motors, [plan], keep=False)[0] if logged or not checked.agrees else None
+        fitted = predict_plans(ledger, motors, [plan], save="nothing")[0] if logged or not checked.agrees else None
         made.append(QuickForecast(whole, found, answer, checked, fitted))
     return made

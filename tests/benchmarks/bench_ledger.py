@@ -23,7 +23,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.ledger.backups import folder_of
 from fieldkit.ledger.opening import keep_backup
 from fieldkit.motors import Catalogue, catalogue
-from fieldkit.services.close_loop import close_loop
+from fieldkit.services.close_loop import diagnosis_of
 from fieldkit.services.forecasts import predict_plans
 from tests.benchmarks.timing import beside, measured
 
@@ -83,8 +83,8 @@ QUESTIONS: dict[str, tuple[Callable[[Ledger], Any], int]] = {
     "add one": (lambda ledger: ledger.add([Flight(flight_id="new", rocket="Rocket 1")], dry_run=True), 9),
     "first backup": (first_backup, 1),
     "another backup": (another_backup, 3),
-    "predict": (lambda ledger: predict_plans(ledger, motors(), [PLAN], keep=False), 3),
-    "loop": (lambda ledger: close_loop(ledger, motors(), "Rocket 1", accept=False), 1),
+    "predict": (lambda ledger: predict_plans(ledger, motors(), [PLAN], save="nothing"), 3),
+    "loop": (lambda ledger: diagnosis_of(ledger, motors(), "Rocket 1"), 1),
 }
 PLAN = Flight(rocket="Rocket 1", config="A", motor="F24-4W")
 

@@ -58,7 +58,7 @@ def one(ledger: Ledger, motors: Catalogue) -> float:
     rounds = []
     for _ in range(4):
         completed_plan = time.process_time()
-        predict_plans(ledger, motors, [PLAN], keep=False)
+        predict_plans(ledger, motors, [PLAN], save="nothing")
         rounds.append(time.process_time() - completed_plan)
     return min(rounds)
 
@@ -93,7 +93,7 @@ def test_one_predict(
     benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue, wind: float | None
 ) -> None:
     day = PLAN.with_changes(wind=wind)
-    timed(benchmark, one, lambda: predict_plans(ledger, motors, [day], keep=False))
+    timed(benchmark, one, lambda: predict_plans(ledger, motors, [day], save="nothing"))
 
 
 def test_a_delay(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:

@@ -132,9 +132,9 @@ def test_a_forecast_is_widened_as_scored_ones_required_and_reports_it(tmp_path: 
     plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(str(n), "Astra", apogee=169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
-        (own,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        (own,) = predict_plans(ledger, catalogue(), [plan], save="nothing")
         keep_forecasts(ledger, [forecast(n, 169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
-        (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        (wide,) = predict_plans(ledger, catalogue(), [plan], save="nothing")
     assert own.stretched_by == 1
     assert not any("earlier forecasts" in line for line in in_words(own))
     interval = forecast_record(wide)["interval"]
@@ -160,5 +160,5 @@ def test_a_flight_that_was_changed_tagged_or_removed_no_longer_corrects_interval
             ledger.edit("Astra/3", **changes)
         else:
             ledger.remove("Astra/3")
-        (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        (made,) = predict_plans(ledger, catalogue(), [plan], save="nothing")
     assert made.stretched_by == 1.0

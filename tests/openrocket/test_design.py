@@ -315,15 +315,15 @@ def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.keep_design(Configuration("Skylark", "A", 0.4, 0.066, 0.8, 0.5, "slim.ork"))
         ledger.keep_design(Configuration("Skylark", "B", 0.4, 0.066, 0.8, 1.0, "wide.ork"))
-        slim, wide = predict_plans(ledger, catalogue(), plans, keep=False)
-        alone = [predict_plans(ledger, catalogue(), [plan], keep=False)[0] for plan in plans]
-        turned = predict_plans(ledger, catalogue(), plans[::-1], keep=False)[::-1]
+        slim, wide = predict_plans(ledger, catalogue(), plans, save="nothing")
+        alone = [predict_plans(ledger, catalogue(), [plan], save="nothing")[0] for plan in plans]
+        turned = predict_plans(ledger, catalogue(), plans[::-1], save="nothing")[::-1]
         draggy = [
             Flight(f"{n}", rocket="Skylark", config="A", motor="F24-4W", dry_mass=0.4, diameter=0.066, apogee=height)
             for n, height in enumerate([150.0, 152.0, 149.0])  # far more drag than 0.5
         ]
         ledger.add(draggy)
-        _, after_flights = predict_plans(ledger, catalogue(), plans, keep=False)
+        _, after_flights = predict_plans(ledger, catalogue(), plans, save="nothing")
     assert np.median(wide.cd) / np.median(slim.cd) == pytest.approx(2.0, rel=0.05)
     for one, by_itself, backwards in zip((slim, wide), alone, turned, strict=True):
         assert np.median(by_itself.cd) == pytest.approx(np.median(one.cd), rel=0.05)

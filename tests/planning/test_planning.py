@@ -122,7 +122,7 @@ def test_plans_agree_with_predictions(path: str, rocket: RocketData, plan: Fligh
     names = ["F24-4W", "E16-6W"]
     with Ledger.open(path) as ledger:
         plans = [plan.with_changes(motor=name) for name in names]
-        predicted = np.array([one.apogee_quantiles() for one in predict_plans(ledger, motors, plans, keep=False)])
+        predicted = np.array([one.apogee_quantiles() for one in predict_plans(ledger, motors, plans, save="nothing")])
     made = forecasts(rocket, [(one, motors.resolve(one.motor)) for one in plans], draws=600)
     made_of = np.array([one.apogee_quantiles() for one in made])
     assert made_of[:, 1] == pytest.approx(predicted[:, 1], rel=0.02)

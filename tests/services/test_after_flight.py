@@ -40,7 +40,7 @@ def ledger(tmp_path: Path) -> Iterator[Ledger]:
 
 
 def decide(ledger: Ledger, plan: Flight = PLAN) -> None:
-    predict_plans(ledger, catalogue(), [plan], decided=True)
+    predict_plans(ledger, catalogue(), [plan], save="plan")
 
 
 def offered(ledger: Ledger, **answers: object) -> dict[str, str]:
@@ -173,7 +173,7 @@ def test_a_flight_without_a_forecast_is_compared_with_earlier_flights(ledger: Le
 def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Ledger) -> None:
     ledger.keep_design(Configuration("Comet", "A", 0.32, 0.066, None, 1.4, "comet.ork"))
     plan = Flight(rocket="Comet", config="A", motor="F24W-4", dry_mass=0.32, diameter=0.066)
-    (lines_shown,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    (lines_shown,) = predict_plans(ledger, catalogue(), [plan], save="nothing")
     flight = plan.with_changes(flight_id="1", apogee=float(np.median(lines_shown.apogee)))
     ledger.add([flight])
     found = outcome(ledger, catalogue(), flight)

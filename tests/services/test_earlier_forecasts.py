@@ -44,7 +44,7 @@ def remembered(ledger: Ledger, ahead: float, first: bool = False) -> None:
 
 def forecast(ledger: Ledger) -> Prediction:
     plan = flown(FLIGHTS).unflown(flight_id="")
-    (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    (made,) = predict_plans(ledger, catalogue(), [plan], save="nothing")
     return made
 
 
@@ -96,7 +96,7 @@ def test_the_next_flight_of_a_rocket_without_an_apogee_is_a_first_flight_as_in_t
     with Ledger.open(book) as ledger:
         ledger.add([other])
         remembered(ledger, 2.0, first=True)
-        (made,) = predict_plans(ledger, catalogue(), [other.unflown(flight_id="")], keep=False)
+        (made,) = predict_plans(ledger, catalogue(), [other.unflown(flight_id="")], save="nothing")
         assert made.rests_on == 1
         assert made.mixed_with["fleet_ratio"] > 0.6
         assert not forecast(ledger).mixed_with

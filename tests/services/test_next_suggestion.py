@@ -63,7 +63,7 @@ def test_with_a_target_a_motor_that_passes_the_checks_and_ends_near_it_is_named(
     assert found.apogee is not None
     assert found.apogee[0] <= 230.0 <= found.apogee[2]
     again = FLOWN[-1].unflown(flight_id="", date_time=None).with_changes(motor=found.motor)
-    (made,) = predict_plans(ledger, catalogue(), [again], keep=False)
+    (made,) = predict_plans(ledger, catalogue(), [again], save="nothing")
     assert found.apogee == made.apogee_quantiles(), "the forecast that would be saved"
     assert f"{found.motor}, " in suggestion_line(found, "SI")
     assert "nearest to 230" in suggestion_line(found, "SI")

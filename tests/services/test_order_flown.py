@@ -93,7 +93,7 @@ def test_a_lasting_change_stays_if_its_first_flight_is_renamed_or_removed(ledger
     plan = FLOWN[9].with_changes(flight_id="", apogee=None, date_time=None)
 
     def draws() -> tuple[np.ndarray, np.ndarray]:
-        (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        (made,) = predict_plans(ledger, catalogue(), [plan], save="nothing")
         (planned,) = forecasts(rocket_of(ledger, catalogue(), "Astra"), [(plan, made.found)], draws=1000)
         return made.apogee_quantiles(), planned.apogee_quantiles()
 

@@ -76,7 +76,7 @@ def flown(tmp_path: Path) -> Iterator[Ledger]:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add(flights[:2])
         predict_plans(ledger, catalogue(), [flights[2].unflown()])
-        predict_plans(ledger, catalogue(), [flights[2].unflown().with_changes(flight_id="4")], decided=True)
+        predict_plans(ledger, catalogue(), [flights[2].unflown().with_changes(flight_id="4")], save="plan")
         ledger.add(flights[2:])
         yield ledger
 

@@ -62,7 +62,7 @@ async def test_the_checklist_is_that_of_the_waiting_plan(file: Path) -> None:
         found = waiting_checklist(ledger, catalogue(), Settings())
         assert found.title == "any flight"
         plan = Flight(rocket="Astra", config="A", motor="F24-4W", dry_mass=0.322, diameter=0.066)
-        predict_plans(ledger, catalogue(), [plan], decided=True)
+        predict_plans(ledger, catalogue(), [plan], save="plan")
         found = waiting_checklist(ledger, catalogue(), Settings())
     assert "Astra A on" in found.title
     assert any("motor F24-4W of AeroTech" in step for step in found.steps)

@@ -71,7 +71,7 @@ async def test_an_unfinished_flight_of_another_build_names_the_open_forecast_and
         from fieldkit.motors import catalogue
 
         plan = Flight(rocket="Astra", config="B", motor="AeroTech F39T-6", dry_mass=0.448, diameter=0.066)
-        predict_plans(ledger, catalogue(), [plan], decided=True)
+        predict_plans(ledger, catalogue(), [plan], save="plan")
     async with opened(file, page="add") as pilot:
         assert "^N to start the forecast's: Astra B on" in notice(pilot)
         await press(pilot, "ctrl+n", "_")

@@ -204,7 +204,7 @@ class TagScreen(PageScreen):
         if not flight.motor:
             raise ImpossibleFlight("no forecast of the same flight: its motor is not known")
         plan = Flight(rocket=flight.rocket, config=flight.config, motor=flight.motor, dry_mass=flight.dry_mass)
-        (forecast,) = predict_plans(self.resources.ledger, self.resources.motors, [plan], keep=False)
+        (forecast,) = predict_plans(self.resources.ledger, self.resources.motors, [plan], save="nothing")
         return Shift(forecast)
 
     def _have_shift(self, shift: Shift | str) -> None:

@@ -395,7 +395,7 @@ class NextScreen(PageScreen):
         """Compute the full forecast of the motor under the cursor, as it would be saved; the list uses fewer draws."""
 
         def work() -> list[Prediction]:
-            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], keep=False)
+            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], save="nothing")
 
         self.ask(work, partial(self._have_exact, one), "exact", alone="app")
 
@@ -490,7 +490,7 @@ class NextScreen(PageScreen):
             return
 
         def work() -> list[Prediction]:
-            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], decided=True)
+            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], save="plan")
 
         self.change(work, partial(self._kept, motor))
 

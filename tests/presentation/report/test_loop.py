@@ -305,7 +305,7 @@ def test_a_model_version_keeps_its_average(
         ledger.add(windy())
         for averaged, versions in ((both.averaged, 1), (((0.703, wind), (0.297, wear)), 1), (((1.0, ()),), 1)):
             monkeypatch.setattr(close_loop, "diagnose", lambda *_, now=averaged: replace(both, averaged=now))
-            close_loop.close_loop(ledger, motors, HOSTILE)
+            close_loop.adopt(ledger, HOSTILE, close_loop.diagnosis_of(ledger, motors, HOSTILE))
             assert len(ledger.versions(HOSTILE)) == versions
             assert forecasts.accepted_average(ledger, HOSTILE, "before") == ()
         assert model_versions.version_average(ledger.versions(HOSTILE)[0].payload) == both.averaged
