@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from fieldkit.forecast.evaluation.rivals import BAR, LABELS, MIXTURE
+from fieldkit.forecast.evaluation.rivals import LABELS, MIXTURE
 from fieldkit.quantities import ShownUnits, counted
 from fieldkit.scoring.bootstrap import MIN_FLIGHTS_FOR_VERDICT
 
@@ -155,19 +155,6 @@ def _between(one: "ScoreDifference", digits: int = 1) -> str:
     low, high = one.interval
     mark = "" if one.verdict == "unclear" else "*"
     return f"{100 * low:+.{digits}f} to {100 * high:+.{digits}f}{mark or ' '}"
-
-
-def against_the_bar(found: "ScoreReport") -> Iterator[str]:
-    """Whether the scalar correction is beaten, with both mean errors, and the rockets on which it is not."""
-    for one in found.against:
-        if one.rival == BAR:
-            words = {
-                "better": "Better than the scalar correction",
-                "worse": "WORSE than the scalar correction",
-                "unclear": "Not clearly different from the scalar correction",
-            }
-            yield f"{words[one.verdict]}: mean error {_errors(one)}."
-    yield from behind_the_bar(found)
 
 
 def behind_the_bar(found: "ScoreReport") -> Iterator[str]:

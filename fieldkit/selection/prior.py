@@ -7,12 +7,11 @@ every set without that family and the expected number of effects stay the same, 
 show does not change their verdict.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from math import log, log1p
 from typing import get_args
 
-from fieldkit.model.random_effects import known_effects
-from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, Family, effects, spoken
+from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, Family, effects
 
 NO_EFFECT_PROBABILITY = 0.5
 """Prior probability that nothing is missing from a rocket's model. [1]"""
@@ -34,13 +33,6 @@ def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> di
     return {name: FAMILY_PROBABILITY / members.count(own) for name, own in family.items()} | {
         UNEXPLAINED: FAMILY_PROBABILITY
     }
-
-
-def inclusion_of(names: Sequence[str]) -> dict[str, float]:
-    """The same for histories in which only these effects occur, by default all. Raises BadValue for an unknown one."""
-    every = inclusion_probabilities()
-    wanted = set(map(spoken, known_effects(names)))
-    return {name: chance if not wanted or name in wanted else 0.0 for name, chance in every.items()}
 
 
 def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None = None) -> float:

@@ -8,8 +8,6 @@ from fieldkit.planning.rules import governing, known_rules, read_authorities
 from fieldkit.quantities import ShownUnits
 from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, Settings
 
-CARD = ("certification", "born", "rules", "rails", "box")
-"""The entries of the card."""
 LONGEST_RAIL = 30.0
 """A rod or rail from here on is a typing error. [m]"""
 MOST_IN_BOX = 1000

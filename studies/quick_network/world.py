@@ -25,7 +25,6 @@ from fieldkit.model.causes import (
     USUAL_PROBABILITY,
 )
 from fieldkit.model.documents import SEARCH_PRIOR, power
-from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, scatter_of, usual_terms
 from fieldkit.model.simulated_readouts import shown
@@ -262,3 +261,14 @@ class _Batch:
         causes = self.causes[draw, rows][:-1]
         strange = self.strange[number][draw]
         return WorldHistory(history, number, self.effects[number][draw], strange, causes, float(np.exp(plan)))
+
+
+def drawn(rng: np.random.Generator, prior: Prior, count: int) -> Float[Array, "flight"]:
+    """Draws of a prior, within its bounds, in the unit of the effect.
+
+    Source: rejection of draws out of bounds, von Neumann (1951), which gives the truncated normal distribution.
+    """
+    values = rng.normal(prior.mean, prior.sd, count)
+    while (beyond := (values < prior.low) | (values > prior.high)).any():
+        values[beyond] = rng.normal(prior.mean, prior.sd, int(beyond.sum()))
+    return np.asarray(values)

@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fieldkit.errors import BadValue
 from fieldkit.physics.effect import effects
 from fieldkit.selection.prior import (
     FAMILIES,
     FAMILY_PROBABILITY,
     NO_EFFECT_PROBABILITY,
     UNEXPLAINED,
-    inclusion_of,
     inclusion_probabilities,
     log_prior_odds,
 )
@@ -41,12 +39,3 @@ def test_the_family_probability_follows_from_that_of_no_effect() -> None:
     chances = inclusion_probabilities()
     odds = sum(np.log(chances[name] / (1 - chances[name])) for name in ("wind", UNEXPLAINED))
     assert log_prior_odds(["wind", UNEXPLAINED]) == pytest.approx(odds)
-
-
-def test_histories_for_training_may_have_only_some_effects() -> None:
-    every, some = inclusion_of(()), inclusion_of(["wind", "early_ejection_seconds"])
-    assert every == inclusion_probabilities()
-    assert {name for name, chance in some.items() if chance} == {"wind", "early_ejection"}
-    assert (some["wind"], some["unexplained"]) == (every["wind"], 0.0)
-    with pytest.raises(BadValue, match="no effect 'gusts'"):
-        inclusion_of(["gusts"])
