@@ -63,13 +63,11 @@ class Captured:
 
     def answers(self) -> list[Response]:
         """The bytes, split where a command was sent."""
-        sent = [(min(mark.at, len(self.raw)), str(mark.facts["sent"]).encode("latin-1")) for mark in self._sent()]
+        marks = [mark for mark in self.marks if "sent" in mark.facts]
+        sent = [(min(mark.at, len(self.raw)), str(mark.facts["sent"]).encode("latin-1")) for mark in marks]
         starts = [(0, b""), *sent]
         ends = [at for at, _ in sent] + [len(self.raw)]
         return [Response(command, self.raw[at:end]) for (at, command), end in zip(starts, ends, strict=True)]
-
-    def _sent(self) -> list[TapeMark]:
-        return [mark for mark in self.marks if "sent" in mark.facts]
 
     def received_at(self, offsets: Iterable[int]) -> list[float]:
         """Arrival times of the bytes at these offsets, since the start of the capture; 0 without a journal. [s]"""

@@ -12,7 +12,7 @@ from fieldkit.capture.line import PortSettings, SerialLine, open_line
 from fieldkit.capture.link import Dialogue, Link, Stopped, never
 from fieldkit.capture.port import Port, again, ports
 from fieldkit.capture.protocol import CaptureOptions, known_device, known_devices
-from fieldkit.capture.tape import Tape, begin, go_on
+from fieldkit.capture.tape import begin, go_on
 from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 from fieldkit.quantities import counted
 
@@ -55,7 +55,7 @@ def capture(
     about = {"device": name, "port": port.name, "vendor": port.vendor, "product": port.product, "serial": port.serial}
     with begin(folder, about | {"settings": asdict(settings)}) as tape:
         try:
-            yield from _run(tape, port, name, settings, wishes, stop, look)
+            yield from _run(Link(open_line(port.name, name, settings, tape), stop), port, settings, wishes, look)
         except PortTrouble:
             tape.discard_if_empty()
             raise
@@ -102,7 +102,7 @@ def resume(
             settings=asdict(settings),
             whole=False,
         )
-        yield from _run(tape, port, name, settings, wishes, stop, look)
+        yield from _run(Link(open_line(port.name, name, settings, tape), stop), port, settings, wishes, look)
 
 
 def _name(device: str) -> str:
@@ -128,21 +128,14 @@ def _baud_of(captured: Captured) -> int | None:
 
 
 def _run(
-    tape: Tape,
-    port: Port,
-    name: str,
-    settings: PortSettings,
-    wishes: CaptureOptions,
-    stop: Callable[[], bool],
-    look: ListPorts,
+    link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: ListPorts
 ) -> Iterator[CaptureEvent]:
-    """Run a capture on a tape from opening the port to `Ended`. Errors as in `capture`."""
-    line = open_line(port.name, name, settings, tape)
-    link = Link(line, stop)
+    """Run a capture on an opened port to `Ended`. Errors as in `capture`."""
+    tape = link.line.tape
     if wishes.seconds is not None:
         link.ends = time.monotonic() + wishes.seconds
     try:
-        yield PortOpened(port.name, name, tape.file)
+        yield PortOpened(port.name, link.line.protocol, tape.file)
         whole = yield from _to_the_end(link, port, settings, wishes, look)
         why = "complete" if whole and not link.open_ended else "it went silent"
     except Stopped as stopped:
@@ -235,7 +228,7 @@ def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
         if not chunk:
             continue
         heard = (heard + chunk)[-RECOGNITION_BYTES:]
-        names = _senders_of(heard)
+        names = [name for name, one in known_devices().items() if one.recognizes_stream(heard)]
         if len(names) == 1:
             _become(link, names[0], rates[at_rate], heard)
             yield Recognised(names[0])
@@ -251,10 +244,6 @@ def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
 
 _NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
 """Bytes that no text contains, which result from a wrong baud rate."""
-
-
-def _senders_of(heard: bytes) -> list[str]:
-    return [name for name, one in known_devices().items() if one.recognizes_stream(heard)]
 
 
 def _become(link: Link, name: str, baud: int, heard: bytes) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fieldkit.cli.numbers import length
+from fieldkit.cli.options import GuideOptions
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
@@ -35,39 +36,26 @@ SHOWN_DELAYS, ALL_DELAYS = 2, 99
 """Maximum number of delays listed per motor: as many as fit in 80 characters, or all. [1]"""
 
 
-def print_guide(
-    context: typer.Context,
-    given: Given,
-    fit: Given,
-    season: int | None,
-    *,
-    adapter: bool,
-    retired: bool,
-    shortlisted: bool,
-    boxed: bool,
-    every: bool,
-    quick: bool,
-    json: bool,
-) -> None:
+def print_guide(context: typer.Context, given: Given, asked: GuideOptions, *, json: bool) -> None:
     """Print the motor guide of a rocket in the order of the app's Fly page, and with a season the motor with the fewest
-    points; with `quick`, only quick forecasts. Raises UnknownMotor if no motor fits."""
+    points; or only quick forecasts. Raises UnknownMotor if no motor fits."""
     from fieldkit.planning.contest import rule_of
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_guide import LEAST_THRUST, guide, label, lifts, motor_order, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
     from fieldkit.services.saved_forecasts import motors_with_open_forecast
 
-    target = length("--target", fit["target"]) or read_settings().target
+    target = length("--target", asked.target) or read_settings().target
     with planning(context, given) as plan:
-        wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted, boxed=boxed)
+        wanted = _wanted(plan, asked)
         try:
             motors = suitable_motors(plan.motors, wanted)
         except UnknownMotor as error:
-            if not boxed or not (box := _box(plan)):
+            if not asked.box or not (box := _box(plan)):
                 raise
             held = ", ".join(f"{count} × {label(motor)}" for motor, count in box.items())
             raise UnknownMotor(f"{error}; your range box has {held}; --adapter takes narrower ones") from error
-        if boxed:
+        if asked.box:
             own = {label(motor): motor for motor in _box(plan)}
             motors = [own[label(motor)] for motor in motors]
         mass = plan.flight.dry_mass or 0.0  # without one the guide prints a note
@@ -77,11 +65,11 @@ def print_guide(
         flight = plan.flight
         saved = motors_with_open_forecast(plan.ledger, plan.motors, flight.rocket, flight.config)
         order = motor_order(plan.rocket, flight.config, target, saved)
-        if quick:
+        if asked.quick:
             print_quick_guide(plan, wanted, order, strong, names, json=json)
             return
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
-    rule = None if season is None else rule_of(season)
+    rule = None if asked.season is None else rule_of(asked.season)
     advice = None
     if rule is not None:
         found, advice = _in_season(plan, found, rule)
@@ -92,8 +80,8 @@ def print_guide(
         return
     motors_that_fit = [choice for choice in choices if choice.fits]
     shown = motors_that_fit or choices
-    _print(plan, wanted, shown, names, len(choices), every=every)
-    _print_checks(shown, names, every=every)
+    _print(plan, wanted, shown, names, len(choices), every=asked.all_)
+    _print_checks(shown, names, every=asked.all_)
     if motors_that_fit:
         _print_excluded([choice for choice in choices if not choice.fits], names)
     if advice is not None and rule is not None:
@@ -104,7 +92,7 @@ def print_guide(
         left_out = ", ".join(names[motor] for motor in weak)
         say_wrapped(f"left out, thrust below {LEAST_THRUST:g} times the weight: {left_out}", "  ")
     say()
-    delays = "every delay sold" if every else "the delays sold that are nearest to it; --all lists every one"
+    delays = "every delay sold" if asked.all_ else "the delays sold that are nearest to it; --all lists every one"
     say_wrapped(f"eject: seconds after apogee, with {delays}. Checks not listed pass. {ADVICE_NOTE}")
 
 
@@ -143,29 +131,29 @@ def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
     return frozenset(label(motor) for motor in found.motors)
 
 
-def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool, boxed: bool) -> "Wanted":
+def _wanted(plan: PlanContext, asked: GuideOptions) -> "Wanted":
     from fieldkit.planning.motor_guide import Wanted, label, mount_of, widest_motor
     from fieldkit.services.shortlist import shortlist
 
     last = mount_of(plan.rocket, plan.flight.config) or plan.rocket.mount
-    mount = length("--mount", fit["mount"], "mm") or plan.mount or last
-    adapter = adapter or mount is None
+    mount = length("--mount", asked.mount, "mm") or plan.mount or last
+    adapter = asked.adapter or mount is None
     mount = mount or widest_motor(plan.rocket, plan.flight)
     if mount is None:
         raise UnknownMotor("found no flights that show the motor mount and no diameter, expected --mount such as 29mm")
-    names = shortlist(plan.ledger, plan.flight.rocket) if shortlisted else None
-    if boxed:
+    names = shortlist(plan.ledger, plan.flight.rocket) if asked.shortlist else None
+    if asked.box:
         box = frozenset(label(motor) for motor in _box(plan))
         names = box if names is None else box & names
-    if fit["in_stock"]:
-        stock = _in_stock(plan, Path(fit["in_stock"]))
+    if asked.in_stock is not None:
+        stock = _in_stock(plan, asked.in_stock)
         names = stock if names is None else stock & names
     return Wanted(
         mount=mount,
-        length=length("--max-length", fit["max_length"], "mm") or math.inf,
-        impulse=float(fit["max_impulse"] or "inf"),
-        classes=_classes(fit["class"] or ""),
-        retired=retired,
+        length=length("--max-length", asked.max_length, "mm") or math.inf,
+        impulse=math.inf if asked.max_impulse is None else asked.max_impulse,
+        classes=_classes(asked.class_),
+        retired=asked.retired,
         adapter=adapter,
         names=names,
     )

@@ -9,7 +9,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.motor_tables import print_comparison, print_own_corrections, print_records
 from fieldkit.cli.numbers import not_negative
-from fieldkit.cli.options import dashed, takes_plan
+from fieldkit.cli.options import GuideOptions, dashed, takes_plan
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import UnknownMotor
@@ -124,26 +124,10 @@ def motors(
     """Search motors, add your own, or with --fit forecast every motor that fits a rocket."""
     tasks = {"--fit": fit, "--compare": compare, "--corrections": corrections, "--import": import_, "--about": about}
     _check_one_task({**tasks, "--check": check} if check else {**tasks, "a search": search})
-    guide_options: dict[str, object] = {
-        "--target": target,
-        "--class": class_,
-        "--mount": mount,
-        "--adapter": adapter,
-        "--season": season,
-    }
-    guide_options |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
-    _check_needs_fit(
-        fit,
-        {
-            **guide_options,
-            "--shortlist": shortlist,
-            "--box": box,
-            "--in-stock": stock,
-            "--all": every,
-            "--quick": quick,
-            **dashed(given),
-        },
-    )
+    limits = target, class_, mount, adapter, season, max_length, max_impulse, retired
+    asked = GuideOptions(*limits, shortlist, box, stock, every, quick)
+    if fit is None and (unused := [*asked.given(), *dashed(given)]):
+        raise typer.BadParameter(f"found {', '.join(unused)} without --fit, expected --fit ROCKET too")
     if shortlist_for is not None and (fit or compare or corrections or about or check):
         raise typer.BadParameter("found --shortlist-for without a search or --import, expected one of them")
     if quick and (season is not None or every):
@@ -151,12 +135,7 @@ def motors(
     if fit is not None:
         from fieldkit.cli.guide import print_guide
 
-        impulse = None if max_impulse is None else str(max_impulse)
-        wanted = {"target": target, "mount": mount, "max_length": max_length, "max_impulse": impulse, "class": class_}
-        wanted["in_stock"] = None if stock is None else str(stock)
-        options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "boxed": box}
-        options |= {"every": every, "quick": quick}
-        print_guide(context, {**given, "rocket": fit}, wanted, season, **options, json=json)
+        print_guide(context, {**given, "rocket": fit}, asked, json=json)
         return
     from fieldkit.motors import describe
 
@@ -197,12 +176,6 @@ def _check_one_task(tasks: Mapping[str, object]) -> None:
     """Raise BadParameter if more than one task is requested: only the first would be done."""
     if len(wanted := [name for name, value in tasks.items() if value]) > 1:
         raise typer.BadParameter(f"found {' and '.join(wanted)}, expected one of them")
-
-
-def _check_needs_fit(fit: str | None, options: Mapping[str, object]) -> None:
-    """Raise BadParameter for an option of the guide without --fit, which would have no effect."""
-    if fit is None and (unused := [name for name, value in options.items() if value not in (None, "", False)]):
-        raise typer.BadParameter(f"found {', '.join(unused)} without --fit, expected --fit ROCKET too")
 
 
 def _check_near(text: str, found: "list[Motor]", complaint: str | None, *, strict: bool) -> None:

@@ -1,7 +1,9 @@
-"""Options for columns of a flight, with and without the unit in the name."""
+"""Options for columns of a flight, with and without the unit in the name, and those of the motor guide."""
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -112,3 +114,31 @@ def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Param
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, option]
     )
+
+
+@dataclass(frozen=True, slots=True)
+class GuideOptions:
+    """The options of the motor guide, as typed, by their names on the command line."""
+
+    target: str | None
+    class_: str
+    mount: str | None
+    adapter: bool
+    season: int | None
+    max_length: str | None
+    max_impulse: float | None
+    retired: bool
+    shortlist: bool
+    box: bool
+    in_stock: Path | None
+    all_: bool
+    quick: bool
+
+    def given(self) -> list[str]:
+        """The names of those that were given."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        return [f"--{name.rstrip('_').replace('_', '-')}" for name, value in values.items() if value not in UNSET]
+
+
+UNSET = (None, "", False)
+"""Values of options that were not given."""

@@ -55,82 +55,58 @@ class Column:
         return units.render(value, self.quantity, self.unit)
 
 
-def _column(name: str, quantity: str, unit: str, title: str, low: float, high: float, text: str) -> Column:
-    """A column whose range is given in its `unit`."""
+def _column(name: str, quantity: str, unit: str, title: str, usual: tuple[float, float], text: str) -> Column:
+    """A column whose usual range is given in its `unit`."""
     suffix = {"m/s": "mps", "°": "deg", "%": "pct", "1/km": "pkm"}.get(unit, unit)
     scale = units.unit(quantity, unit)
-    return Column(name, quantity, unit, suffix, title, text, scale.to_si(low), scale.to_si(high))
+    return Column(name, quantity, unit, suffix, title, text, *map(scale.to_si, usual))
 
 
 SETUP = (
-    _column(
-        "dry_mass",
-        "mass",
-        "g",
-        "Dry mass",
-        5,
-        50000,
-        "Weighed at the pad with recovery and payload, no motor.",
-    ),
-    _column("diameter", "length", "mm", "Diameter", 8, 400, "Largest body diameter: the reference area of Cd."),
-    _column("delay", "time", "s", "Ejection delay", 0, 20, "Time from burnout to the ejection charge."),
+    _column("dry_mass", "mass", "g", "Dry mass", (5, 50000), "Weighed at the pad with recovery and payload, no motor."),
+    _column("diameter", "length", "mm", "Diameter", (8, 400), "Largest body diameter: the reference area of Cd."),
+    _column("delay", "time", "s", "Ejection delay", (0, 20), "Time from burnout to the ejection charge."),
 )
 
 CONDITIONS = (
-    _column("site_elevation", "length", "m", "Site elevation", -430, 5000, "Elevation of the pad above sea level."),
-    _column("temperature", "temperature", "c", "Temperature", -40, 50, "Air temperature at the pad."),
+    _column("site_elevation", "length", "m", "Site elevation", (-430, 5000), "Elevation of the pad above sea level."),
+    _column("temperature", "temperature", "c", "Temperature", (-40, 50), "Air temperature at the pad."),
     _column(
         "pressure",
         "pressure",
         "hpa",
         "Pressure",
-        800,
-        1060,
+        (800, 1060),
         "Air pressure reduced to sea level (QNH), as in weather reports.",
     ),
-    _column("humidity", "fraction", "%", "Humidity", 0, 100, "Relative humidity at the pad."),
-    _column("wind", "speed", "m/s", "Wind", 0, 20, "Mean wind at the pad."),
-    _column("rail_length", "length", "m", "Rail length", 0.3, 10, "Length of the launch rod or rail."),
+    _column("humidity", "fraction", "%", "Humidity", (0, 100), "Relative humidity at the pad."),
+    _column("wind", "speed", "m/s", "Wind", (0, 20), "Mean wind at the pad."),
+    _column("rail_length", "length", "m", "Rail length", (0.3, 10), "Length of the launch rod or rail."),
     _column(
-        "rail_angle", "angle", "deg", "Rail angle", -30, 30, "Angle of the rod or rail from vertical, into the wind."
+        "rail_angle", "angle", "deg", "Rail angle", (-30, 30), "Angle of the rod or rail from vertical, into the wind."
     ),
 )
 
 READOUTS = (
-    _column("apogee", "length", "m", "Apogee", 5, 10000, "Highest point above the pad."),
-    _column("top_speed", "speed", "m/s", "Top speed", 3, 700, "Highest speed, reached as thrust ends."),
-    _column("burn_time", "time", "s", "Burn time", 0.1, 15, "Time from lift-off to top speed."),
+    _column("apogee", "length", "m", "Apogee", (5, 10000), "Highest point above the pad."),
+    _column("top_speed", "speed", "m/s", "Top speed", (3, 700), "Highest speed, reached as thrust ends."),
+    _column("burn_time", "time", "s", "Burn time", (0.1, 15), "Time from lift-off to top speed."),
+    _column("peak_accel", "acceleration", "g", "Peak acceleration", (0.5, 60), "Strongest acceleration under thrust."),
     _column(
-        "peak_accel",
-        "acceleration",
-        "g",
-        "Peak acceleration",
-        0.5,
-        60,
-        "Strongest acceleration under thrust.",
+        "avg_accel", "acceleration", "g", "Average acceleration", (0.1, 40), "Top speed over burn time, net of gravity."
     ),
-    _column(
-        "avg_accel",
-        "acceleration",
-        "g",
-        "Average acceleration",
-        0.1,
-        40,
-        "Top speed over burn time, net of gravity.",
-    ),
-    _column("coast_to_apogee", "time", "s", "Coast to apogee", 0.1, 60, "Time from top speed to apogee."),
+    _column("coast_to_apogee", "time", "s", "Coast to apogee", (0.1, 60), "Time from top speed to apogee."),
     _column(
         "apogee_to_eject",
         "time",
         "s",
         "Apogee to ejection",
-        -10,
-        20,
+        (-10, 20),
         "Time from apogee to ejection; negative if before apogee.",
     ),
-    _column("eject_altitude", "length", "m", "Ejection altitude", 0, 10000, "Height above the pad at ejection."),
-    _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Speed under the parachute or streamer."),
-    _column("duration", "time", "s", "Duration", 1, 1200, "Time from lift-off to landing."),
+    _column("eject_altitude", "length", "m", "Ejection altitude", (0, 10000), "Height above the pad at ejection."),
+    _column("descent_speed", "speed", "m/s", "Descent speed", (0.5, 60), "Speed under the parachute or streamer."),
+    _column("duration", "time", "s", "Duration", (1, 1200), "Time from lift-off to landing."),
 )
 """The ten readouts, in the order in which the AltimeterTwo displays them."""
 
@@ -140,25 +116,20 @@ LOGGED = (
         "per length",
         "1/km",
         "Drag in the coast",
-        0.02,
-        50,
+        (0.02, 50),
         "Air density at the pad times Cd times frontal area over twice the mass after burnout.",
     ),
     _column(
-        "burn_impulse",
-        "speed",
-        "m/s",
-        "Impulse over mass",
-        5,
-        2000,
-        "Thrust over mass, integrated over the burn.",
+        "burn_impulse", "speed", "m/s", "Impulse over mass", (5, 2000), "Thrust over mass, integrated over the burn."
     ),
 )
 """Quantities that are computed only from the samples of a log (`fieldkit.analysis.drag_and_impulse`)."""
 
 TWO_DEVICES = (
-    _column("drogue_speed", "speed", "m/s", "Drogue speed", 5, 60, "Descent speed under the drogue, near the ground."),
-    _column("main_altitude", "length", "m", "Main opens", 30, 1500, "Height above the pad at which the main opens."),
+    _column(
+        "drogue_speed", "speed", "m/s", "Drogue speed", (5, 60), "Descent speed under the drogue, near the ground."
+    ),
+    _column("main_altitude", "length", "m", "Main opens", (30, 1500), "Height above the pad at which the main opens."),
 )
 """Figures that a log shows of a descent on a drogue and a main: extra columns of a flight (`fieldkit.flight.recovery`),
 with a standard deviation if they were measured."""

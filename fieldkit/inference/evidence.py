@@ -83,20 +83,30 @@ def grouped_posterior(
     return NormalPosterior(mean, covariance, log_bayes)
 
 
-def strength_posterior(
-    a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array, log_prior_mass: Array
-) -> tuple[Array, Array, Array]:
+@dataclass(frozen=True, slots=True, eq=False)
+class StrengthPrior:
+    """Truncated normal priors of strengths, in their units: mean and standard deviation without the bounds `low` and
+    `high`, and the log probability between these."""
+
+    mean: Array
+    sd: Array
+    low: Array
+    high: Array
+    log_mass: Array
+
+
+def strength_posterior(a: Array, b: Array, prior: StrengthPrior) -> tuple[Array, Array, Array]:
     """Log Bayes factor against a strength of zero [nat], posterior mean and standard deviation of a strength with a
     truncated normal prior, in its unit; elementwise.
 
-    `a` is the precision with which the readouts determine the strength, and `b` is `a` times their estimate of it.
-    `log_prior_mass` is the log probability of its prior between the bounds `low` and `high`. The mean is clipped to the
-    bounds; the standard deviation is that of the normal distribution without them.
+    `a` is the precision with which the readouts determine the strength, and `b` is `a` times their estimate of it. The
+    mean is clipped to the bounds; the standard deviation is that of the normal distribution without them.
     """
+    mean, sd, low, high = prior.mean, prior.sd, prior.low, prior.high
     precision = a + 1 / sd**2
     middle = (b + mean / sd**2) / precision
     spread = 1 / np.sqrt(precision)
-    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2)) - log_prior_mass
+    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2)) - prior.log_mass
     return bayes + log_mass(middle, spread, low, high), np.clip(middle, low, high), spread
 
 

@@ -31,6 +31,29 @@ Stages = list[Array]
 """A quantity at the start, middle and end of a step."""
 
 
+@dataclass(frozen=True, slots=True)
+class BurnStep:
+    """A step along the thrust curve: its length [s], and the thrust [N] and the mass [kg] in it."""
+
+    dt: Array
+    thrust: Stages
+    mass: Stages
+
+    @property
+    def greatest(self) -> Array:
+        """Thrust over mass, at most; an entry per draw. [m/s^2]"""
+        return np.asarray(np.maximum(self.thrust[0], self.thrust[2]) / self.mass[2])
+
+    def between(self, start: Array, end: Array) -> "BurnStep":
+        """A part of the step, by fractions of it with an entry per draw. [1]"""
+        return BurnStep(self.dt * (end - start), _between(self.thrust, start, end), _between(self.mass, start, end))
+
+    def of(self, rows: Integers) -> "BurnStep":
+        """The step of some draws."""
+        thrust, mass = ([_some(stage, rows) for stage in stages] for stages in (self.thrust, self.mass))
+        return BurnStep(_some(self.dt, rows), thrust, mass)
+
+
 @dataclass(slots=True)
 class AscentState:
     """State of all draws at one time of the ascent, with the extremes so far. SI units.
@@ -94,19 +117,19 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
     track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
     first_rate: Array | None = None
-    for step, (first, dt, thrust, mass) in enumerate(_steps(setup)):
-        held = _with_stages(setup, step)
+    for number, (first, step) in enumerate(_steps(setup)):
+        held = _with_stages(setup, number)
         if held is not setup:
             rate, first_rate = EquationsOfMotion(held, burning=True), None
         if waits := bool(first.min() < latest):
-            place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
-            thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
-        before = track.position, track.velocity
-        _advance(track, held, rate, dt, thrust, mass, first_rate)
+            place = np.clip((start - first) / np.where(step.dt > 0, step.dt, 1.0), 0.0, 1.0)
+            step = step.between(place, end)
+        before, dt = (track.position, track.velocity), step.dt
+        _advance(track, held, rate, step, first_rate)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
-            ended = rate(track.position, track.velocity, thrust[2], mass[2])
+            ended = rate(track.position, track.velocity, step.thrust[2], step.mass[2])
             slope, first_rate = (
                 _along(track.velocity, ended),
                 None if waits else ended,
@@ -122,8 +145,8 @@ def _with_stages(setup: Setup, step: int) -> Setup:
     return setup if drag is None else setup.with_changes(drag_area=setup.drag_area * drag[step][setup.motor])
 
 
-def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
-    """Start and length of every step [s], with its thrust [N] and mass [kg]; a step starts where the last one ended."""
+def _steps(setup: Setup) -> Iterator[tuple[Array, BurnStep]]:
+    """Every step with its start [s]; it starts where the last one ended."""
     burns, motor = setup.burns, setup.motor
     empty, propellant = setup.dry_mass + burns.casing_mass[motor], burns.propellant_mass[motor]
     factor = setup.thrust_factor / setup.burn_stretch
@@ -140,7 +163,7 @@ def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
         if not (last > first).any():
             return
         pushes, masses = [push_end, push(step, 1), push(step, 2)], [mass_end, mass(step, 1), mass(step, 2)]
-        yield first, last - first, pushes, masses
+        yield first, BurnStep(last - first, pushes, masses)
         first, push_end, mass_end = last, pushes[2], masses[2]
 
 
@@ -154,22 +177,23 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
     return [np.asarray(at_start + at * (linear + at * square)) for at in places]
 
 
-def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: Stages) -> Array:
+def _parts(setup: Setup, track: AscentState, step: BurnStep) -> Array:
     """Number of substeps that a step needs if drag is stiff (light, wide and fast rockets); [1] if none do. [1]
 
     Drag pulls the speed toward equilibrium at the rate rho Cd A v / m; a substep may cover `MAX_DRAG_FRACTION` of that.
     A planar flight also gets substeps where it leaves the rail and while thrust still changes its speed considerably.
     """
+    dt, thrust, mass = step.dt, step.thrust, step.mass
     greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
     fastest = np.abs(track.velocity[0]).max() + dt.max() * greatest
     bound = setup.drag_area.max() * setup.air.density.max() * fastest * dt.max() / mass[2].min()
     if len(track.position) == 1 and bound <= MAX_DRAG_FRACTION:
         return np.ones(1)
-    speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
+    speed = _speed(track.velocity) + dt * step.greatest
     stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
     wanted = stiffness / MAX_DRAG_FRACTION
     if len(track.position) > 1:
-        wanted = np.maximum(wanted, _bends(setup, track, dt, np.maximum(thrust[0], thrust[2]) / mass[2]))
+        wanted = np.maximum(wanted, _bends(setup, track, dt, step.greatest))
     if np.max(wanted) <= 1:
         return np.ones(1)
     return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 1.0), MOST_PARTS))
@@ -185,19 +209,13 @@ def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
 
 
 def _advance(
-    track: AscentState,
-    setup: Setup,
-    rate: EquationsOfMotion,
-    dt: Array,
-    thrust: Stages,
-    mass: Stages,
-    first_rate: Array | None,
+    track: AscentState, setup: Setup, rate: EquationsOfMotion, step: BurnStep, first_rate: Array | None
 ) -> None:
     """Advance a step in as many substeps as each draw needs; if few draws need more, those continue separately.
 
     `first_rate` is the acceleration at the start of the step, if known.
     """
-    parts = _parts(setup, track, dt, thrust, mass)
+    parts = _parts(setup, track, step)
     moving, rows = track, np.arange(len(track.time))
     for part in range(int(parts.max())):
         busy = parts > part
@@ -207,10 +225,9 @@ def _advance(
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
             setup = setup.part(kept)
             rate = EquationsOfMotion(setup, burning=True, axes=len(moving.position))
-            parts, dt = parts[kept], _some(dt, kept)
-            thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
+            parts, step = parts[kept], step.of(kept)
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
-        _step(moving, rate, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), first_rate)
+        _step(moving, rate, step.between(start, end), first_rate)
         first_rate = None
     _put_back(track, moving, rows)
 
@@ -230,10 +247,9 @@ def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
         setattr(track, name, values)
 
 
-def _step(
-    track: AscentState, rate: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, first_rate: Array | None
-) -> None:
+def _step(track: AscentState, rate: EquationsOfMotion, step: BurnStep, first_rate: Array | None) -> None:
     """One classical Runge-Kutta step of position and velocity; `first_rate` as in `_advance`."""
+    dt, thrust, mass = step.dt, step.thrust, step.mass
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
     a1 = rate(x, v, thrust[0], mass[0]) if first_rate is None else first_rate
     v2 = v + half * a1

@@ -8,6 +8,7 @@ from scipy.stats import multivariate_normal, norm
 
 from fieldkit.inference.evidence import (
     LinearModel,
+    StrengthPrior,
     grouped_posterior,
     log_mass,
     normal_posterior,
@@ -54,8 +55,8 @@ def test_the_evidence_of_a_pair_is_that_of_both_terms() -> None:
 
 def test_a_bounded_strength_has_the_evidence_of_quadrature() -> None:
     a, b, mean, sd, low, high = (np.array([one]) for one in (4.0, 3.0, 0.2, 0.5, 0.0, 0.9))
-    prior = log_mass(mean, sd, low, high)
-    found, _, _ = strength_posterior(a, b, mean, sd, low, high, prior)
+    prior = StrengthPrior(mean, sd, low, high, log_mass(mean, sd, low, high))
+    found, _, _ = strength_posterior(a, b, prior)
     mass = norm.cdf(0.9, 0.2, 0.5) - norm.cdf(0.0, 0.2, 0.5)
     whole, _ = quad(lambda s: np.exp(3 * s - 2 * s**2) * norm.pdf(s, 0.2, 0.5) / mass, 0.0, 0.9)
     assert found[0] == pytest.approx(np.log(whole))
@@ -65,7 +66,8 @@ def test_a_strength_far_outside_its_bounds_gains_nothing_from_the_distance() -> 
     """The readouts favor -20 standard deviations of a strength that cannot be negative."""
     a, b, one, zero = np.array([400.0]), np.array([-400.0]), np.ones(1), np.zeros(1)
     assert log_mass(-20 * one, one, zero, np.inf * one)[0] == pytest.approx(log_ndtr(-20.0))
-    assert strength_posterior(a, b, zero, one, zero, np.inf * one, np.log([0.5]))[0][0] < 0
+    positive = StrengthPrior(zero, one, zero, np.inf * one, np.log([0.5]))
+    assert strength_posterior(a, b, positive)[0][0] < 0
 
 
 def test_products_after_the_terms_are_refitted_are_those_with_the_inverse_covariance_of_all_readouts() -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.inference.evidence import normal_posterior, pair_evidence, strength_posterior
+from fieldkit.inference.evidence import StrengthPrior, normal_posterior, pair_evidence, strength_posterior
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.placed_effects import Directions, Placed, PlacedEffect, directions
 from fieldkit.inference.laplace.posterior import Fit
@@ -108,8 +108,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     flat = own.regressors(shift)
     a = flat.products(flat)
     b = weights.weighted_residual.reshape(len(a), -1) @ flat.plain
-    prior = columns.mean, columns.sd, columns.low, columns.high, columns.log_prior_mass
-    bayes, mean, sd = strength_posterior(a, b, *prior)
+    bayes, mean, sd = strength_posterior(a, b, columns.prior)
     joint = weights.log_weight[:, None] + bayes
     log_bayes = np.logaddexp.reduce(joint, axis=0)
     fraction = np.exp(joint - log_bayes)
@@ -117,7 +116,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     weighed = own.weighed(flat, best)
     own_a = (shift * weighed.reshape(shift.shape)).sum(axis=1)
     own_b = (shift * weights.weighted_residual[best][..., None]).sum(axis=1)
-    without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
+    without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, columns.prior)[0]
     ahead = columns.shift(linear.moved, np.zeros(1, int))[linear.flown :, 0]
     return Trials(
         candidate=columns.number,
@@ -127,8 +126,8 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
         robust=log_bayes - np.maximum(bayes[best] - without, 0.0).max(axis=0),
         mean=middle,
         sd=np.sqrt((fraction * (sd**2 + (mean - middle) ** 2)).sum(axis=0)),
-        prior_mean=prior[0],
-        prior_sd=prior[1],
+        prior_mean=columns.prior.mean,
+        prior_sd=columns.prior.sd,
         unit=columns.unit,
         shift=flat.plain,
         weighed=weighed,
@@ -142,7 +141,7 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
 
     Its `robust` evidence leaves out no flight, bounds are ignored, and it does not change the forecasts of plans.
     """
-    own, sds = weights.fit.linear(), columns.sd
+    own, sds = weights.fit.linear(), columns.prior.sd
     flat = own.regressors(weights.shift(linear, columns))
     b = weights.weighted_residual.reshape(len(weights.log_weight), -1) @ flat.plain
     log_det = np.array(-2 * np.log(sds).sum())
@@ -197,7 +196,7 @@ def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
     b, mean, sd = trials.gradient[some], trials.prior_mean[some], trials.prior_sd[some]
     a = np.diagonal(gram)
     unbounded = np.full(len(some), np.inf)
-    alone = strength_posterior(a, b, mean, sd, -unbounded, unbounded, np.zeros(len(some)))[0]
+    alone = strength_posterior(a, b, StrengthPrior(mean, sd, -unbounded, unbounded, np.zeros(len(some))))[0]
     p, q = a + 1 / sd**2, b + mean / sd**2
     prior = 0.5 * (mean / sd) ** 2 + np.log(sd)
     both = pair_evidence(gram, p, q[:, None]) - np.add.outer(prior, prior)

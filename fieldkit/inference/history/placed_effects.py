@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from fieldkit.inference.evidence import log_mass
+from fieldkit.inference.evidence import StrengthPrior, log_mass
 from fieldkit.inference.history.response import started
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.physics.effect import Effect
@@ -40,9 +40,8 @@ class Directions:
 
     `number` is the number of the candidate, and `family` its name in a verdict. `moves` are the properties and effects
     that some strength changes, as named in a response, and `kind` is the index of the one that each
-    changes. `weight` is how strongly it acts on each flight. `log_prior_mass` is that of the strength's prior between
-    its bounds. `unit` is the value of the effect's parameter at a strength of 1, in which `mean`, `sd` and the bounds
-    are given.
+    changes. `weight` is how strongly it acts on each flight. `unit` is the value of the effect's parameter at a
+    strength of 1, in which the `prior` is given.
     """
 
     number: tuple[int, ...]
@@ -51,12 +50,8 @@ class Directions:
     kind: Int[Integers, "direction"]
     weight: Float[Array, "flight direction"]
     log_fraction: Float[Array, "direction"]
-    mean: Float[Array, "direction"]
-    sd: Float[Array, "direction"]
-    low: Float[Array, "direction"]
-    high: Float[Array, "direction"]
+    prior: StrengthPrior
     unit: Float[Array, "direction"]
-    log_prior_mass: Float[Array, "direction"]
 
     def shift(
         self, moved: Mapping[str, Float[Array, "flight readout"]], readouts: Int[Integers, "used"]
@@ -120,9 +115,7 @@ def _of_term(number: int, candidate: PlacedEffect, term: Term) -> Iterator[_Dire
 def _stacked(some: Sequence[_Direction]) -> Directions:
     numbers, families, moves, weights, *rest = zip(*some, strict=True)
     log_fraction, mean, sd, low, high, unit = (np.array(one, float) for one in rest)
-    within = log_mass(mean, sd, low, high)
+    prior = StrengthPrior(mean, sd, low, high, log_mass(mean, sd, low, high))
     kinds = tuple(dict.fromkeys(moves))
     places = np.array([kinds.index(kind) for kind in moves])
-    return Directions(
-        numbers, families, kinds, places, np.stack(weights, axis=-1), log_fraction, mean, sd, low, high, unit, within
-    )
+    return Directions(numbers, families, kinds, places, np.stack(weights, axis=-1), log_fraction, prior, unit)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.flight import BY_NAME
+from fieldkit.model.readout_data import Data
 from fieldkit.physics.effect import effect_named
 from fieldkit.presentation.condition_axis import in_units
 from fieldkit.presentation.report.style import (
@@ -26,7 +27,7 @@ from fieldkit.selection.logged_forces import ThrustProfile
 from fieldkit.selection.residual import columns_of
 from fieldkit.selection.verdict import NAMING_PROBABILITY
 from fieldkit.services.findings import Findings
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Float
 
 TITLES = {"flight_number": "flight, in the order flown", "hour": "hour of the day"}
 
@@ -83,32 +84,23 @@ def _grouped(found: Findings, per: str) -> Axis:
 def residuals(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
     """Leave-one-out errors, flown minus forecast, before and after, against the column of the verdict."""
     diagnosis, against = found.diagnosis, axis(found, shown.system)
-    truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     sides = [("before", diagnosis.forecasts_before, BEFORE_COLOR)]
     if diagnosis.effect != "none":
         sides.append(("after: " + diagnosis.effect, diagnosis.forecasts_after, AFTER_COLOR))
     panels = figure.subplots(1, len(sides), sharey=True, squeeze=False)[0]
     for panel, (title, forecasts, colour) in zip(panels, sides, strict=True):
-        _residual_panel(panel, against, forecasts, truth, seen, colour, shown.length_factor)
+        _residual_panel(panel, against, forecasts, diagnosis.data, colour, shown.length_factor)
         panel.set_title(title)
     panels[0].set_ylabel(f"flown - forecast [{shown.length_unit}]")
 
 
-def _residual_panel(
-    panel: "Axes",
-    against: Axis,
-    forecasts: Forecasts,
-    truth: Float[Array, "flight"],
-    seen: Flags,
-    colour: str,
-    unit: float,
-) -> None:
+def _residual_panel(panel: "Axes", against: Axis, forecasts: Forecasts, data: Data, colour: str, unit: float) -> None:
     """Draw residuals of one model, in multiples of `unit` [m]."""
-    known = seen & np.isfinite(against.values)
+    known = data.seen[:, 0] & np.isfinite(against.values)
     place = against.values[known] + _beside(against.values[known], 0.6 if against.names else 0.012)
     low, high = _interval(forecasts)
     apogee = forecasts.apogee
-    miss = (np.exp(truth) - apogee)[known] / unit
+    miss = (np.exp(data.values[:, 0]) - apogee)[known] / unit
     panel.axhline(0, color=INK_COLOR, linewidth=1)
     panel.vlines(
         place, (low - apogee)[known] / unit, (high - apogee)[known] / unit, color=colour, alpha=0.25, linewidth=3
