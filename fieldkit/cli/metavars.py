@@ -86,8 +86,8 @@ def name_values(command: Any) -> None:
     """Give each option and argument of a command, and of its subcommands, a placeholder for its value."""
     known = placeholders()
     for parameter in command.params:
-        has_choices = hasattr(parameter.type, "choices")
-        if parameter.metavar is None and parameter.name in known and not has_choices and _takes_value(parameter):
+        takes_text = not hasattr(parameter.type, "choices") and not getattr(parameter, "is_flag", False)
+        if parameter.metavar is None and parameter.name in known and takes_text:
             word = known[parameter.name]
             parameter.metavar = f"{word}..." if parameter.nargs == -1 else word
         if parameter.param_type_name == "argument" and parameter.type.name in TYPES:
@@ -95,7 +95,3 @@ def name_values(command: Any) -> None:
             parameter.type.name = TYPES[parameter.type.name]
     for inner in getattr(command, "commands", {}).values():
         name_values(inner)
-
-
-def _takes_value(parameter: Any) -> bool:
-    return not getattr(parameter, "is_flag", False)

@@ -160,7 +160,12 @@ def base_model(
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or any(map(has_log, history.flights))]
     terms = [term for quantity in kinds for term in _quantity_terms(quantity, history, hyperprior, passed)]
     if not history.diameter_known:
-        terms = [_with_unknown_area(term, hyperprior) if term.name == TermName("drag") else term for term in terms]
+        terms = [
+            replace(term, sd=float(np.hypot(term.sd, hyperprior.unknown_area)))
+            if term.name == TermName("drag")
+            else term
+            for term in terms
+        ]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(history.flights)), low=0.0))
     return with_shared(Model(history, tuple(terms), hyperprior), shared)
 
@@ -176,10 +181,6 @@ def with_shared(model: Model, shared: SharedPrior | None) -> Model:
     means = dict(zip(own.names, own.mean.tolist(), strict=True))
     terms = tuple(replace(term, mean=means.get(term.name, term.mean)) for term in model.terms)
     return replace(model, terms=terms, shared=own)
-
-
-def _with_unknown_area(term: Term, hyperprior: Hyperprior) -> Term:
-    return replace(term, sd=float(np.hypot(term.sd, hyperprior.unknown_area)))
 
 
 def _quantity_terms(

@@ -66,12 +66,13 @@ class Wanted:
     def fits(self, motor: Motor) -> bool:
         """Whether a motor meets all requirements."""
         wide = 0.0 if self.mount is None else motor.diameter - self.mount
+        letter = "A" if "/" in motor.impulse_class else motor.impulse_class
         return (
             (wide < DIAMETER_TOLERANCE if self.adapter else abs(wide) < DIAMETER_TOLERANCE)
             and motor.length <= self.length + DIAMETER_TOLERANCE
             and motor.total_impulse <= self.impulse
             and (self.retired or motor.available)
-            and (self.classes is None or self.classes[0] <= _letter(motor) <= self.classes[1])
+            and (self.classes is None or self.classes[0] <= letter <= self.classes[1])
             and (self.names is None or label(motor) in self.names)
             and (self.dry_mass is None or lifts(motor, self.dry_mass))
         )
@@ -90,10 +91,6 @@ def _found(motor: Motor) -> Found:
 def lifts(motor: Motor, dry_mass: float) -> bool:
     """Whether a motor would lift a rocket of this dry mass [kg] off a rod."""
     return motor.average_thrust > LEAST_THRUST * (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
-
-
-def _letter(motor: Motor) -> str:
-    return "A" if "/" in motor.impulse_class else motor.impulse_class
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,9 +15,9 @@ from typing import Any
 from fieldkit.errors import BadValue
 from fieldkit.files import read_toml
 from fieldkit.paths import data_file
-from fieldkit.planning.rule_units import RULE_UNITS
 from fieldkit.planning.toml_values import number, problem_in, texts, whole
 from fieldkit.safe_text import printable
+from fieldkit.units import DEGREE, FOOT, MILE, POUND
 
 FOLDER = Path(__file__).parents[1] / "data" / "rules"
 MARKS: Mapping[str, str] = {"O": "official text", "T": "transcription by others", "U": "unverified"}
@@ -282,3 +282,19 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
             name: number(table[key], key) * scale for name, (key, scale) in _MOTORS_OVER.items() if key in table
         },
     )
+
+
+RULE_UNITS: Mapping[str, float] = {
+    "1": 1.0,
+    "level": 1.0,
+    "m": 1.0,
+    "ft": FOOT,
+    "g": 1e-3,
+    "lb": POUND,
+    "deg": DEGREE,
+    "m/s": 1.0,
+    "mph": MILE / 3600,
+    "N": 1.0,
+    "N s": 1.0,
+}
+"""SI value of one of each unit."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.quantities import ShownUnits, counted, percent
 from fieldkit.selection.fleet_groups import SharedDifference
-from fieldkit.services.fleet_loop import FleetErrors, FleetLoop, FleetResult
+from fieldkit.services.fleet_loop import FleetLoop, FleetResult
 
 EVALUATION = (
     "later flights of the group, each forecast from all earlier flights: before as forecast then, "
@@ -50,26 +50,14 @@ def _finding(result: FleetResult) -> dict[str, Any]:
         "parameters": {
             name: {"mean": mean, "sd": sd, "unit": "log ratio"} for name, (mean, sd) in one.strengths.items()
         },
-        "before": _errors(result.before),
-        "after": _errors(result.after),
+        "before": result.before and {"n_flights": result.later, **result.before.json()},
+        "after": result.after and {"n_flights": result.later, **result.after.json()},
         "why": in_words(result),
         "others": [
             {"effect": other.effect, "level": other.level, "of": other.of, "probability": chance}
             for other, chance in one.others
             if other.place != one.candidate.place
         ],
-    }
-
-
-def _errors(errors: FleetErrors | None) -> dict[str, Any] | None:
-    if errors is None:
-        return None
-    return {
-        "n_flights": errors.flights,
-        "mae_m": errors.mae,
-        "rmse_m": errors.rmse,
-        "bias_m": errors.bias,
-        "coverage90": errors.coverage90,
     }
 
 
@@ -86,7 +74,7 @@ def fleet_lines(found: FleetLoop, system: str = "SI") -> Iterator[str]:
         yield f"  chance that this group differs: {percent(result.finding.probability)}"
         if result.before and result.after:
             before, after = (shown.length(errors.mae, 1) for errors in (result.before, result.after))
-            count = counted(result.before.flights, "later flight")
+            count = counted(result.later, "later flight")
             yield f"  mean miss of its {count}: {before} as forecast, {after} with the difference;"
             chance = percent(1 - result.finding.probability)
             yield f"    it was found on them too: if it is chance ({chance}), so is the gain"

@@ -137,18 +137,15 @@ def _verdict(found: Findings) -> dict[str, Any]:
 def _probabilities(found: Findings) -> dict[str, Any]:
     """The posterior: probabilities of each effect, of no effect, and of the sets in averaged forecasts."""
     diagnosis = found.diagnosis
+    likely = [(members, chance) for members, chance in diagnosis.posterior.sets.items() if chance >= 0.005]
     return {
         "none": diagnosis.posterior.nothing,
         "effects": diagnosis.posterior.inclusion,
-        "sets": [{"effects": sorted(members), "probability": chance} for members, chance in _likely_sets(found)],
+        "sets": [{"effects": sorted(members), "probability": chance} for members, chance in likely],
         "averaged": [
             {"places": [str(place) for place in places], "probability": chance} for chance, places in diagnosis.averaged
         ],
     }
-
-
-def _likely_sets(found: Findings) -> list[tuple[frozenset[str], float]]:
-    return [(members, chance) for members, chance in found.diagnosis.posterior.sets.items() if chance >= 0.005]
 
 
 def _test(test: Advice) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def landing_in_words(planned: PlannedFlight, site: Site, system: str = "SI") -> 
     yield f"  duration  {seconds_in_words(three(down.duration))}"
     falls = "" if down.landing_speed is None else f"at {shown.speed(down.landing_speed[1])}; "
     yield f"  landing   {falls}{_device(prediction, fall, recovery, shown)}"
-    if (above := _main_above_apogee(prediction, recovery)) >= LEAST_CHANCE:
+    if (above := float(np.mean(prediction.true_apogee < (recovery.main_altitude or 0.0)))) >= LEAST_CHANCE:
         yield f"            {percent(above)} chance of an apogee below that: the main opens at apogee"
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
@@ -119,11 +119,6 @@ def _device(prediction: Prediction, fall: Fall, recovery: Recovery, shown: Shown
     speed = fall.drogue.usual_speed(landing_mass(prediction.plan, prediction.found), density)
     basis = f" assumed, ± {DEFAULT_DESCENT_SD:.0%}" if fall.drogue.assumed else ""
     return f"drogue at apogee, {shown.speed(speed)}{basis}, main at {shown.length(recovery.main_altitude)}"
-
-
-def _main_above_apogee(prediction: Prediction, recovery: Recovery) -> float:
-    """The chance that a main is set to open higher than the rocket flies. [1]"""
-    return float(np.mean(prediction.true_apogee < (recovery.main_altitude or 0.0)))
 
 
 def descent_in_words(fall: Fall, plan: Flight) -> str:

@@ -1,4 +1,5 @@
-"""A closed loop as lines for a flyer: what is missing, its probability, and the evidence."""
+"""A closed loop as lines for a flyer: what is missing, its probability, the evidence, how well forecasts are that a fit
+did not see, and what logs show of drag."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -8,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.physics.effect import spoken
-from fieldkit.presentation.forces_text import forces_in_words
-from fieldkit.presentation.held_out_text import mean_misses
+from fieldkit.flight.short_name import flight_label
+from fieldkit.physics.effect import effects, spoken
 from fieldkit.presentation.one_off_text import one_off_lines
-from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words
+from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words, with_sd
 from fieldkit.selection.candidates import Place
+from fieldkit.selection.drag_steps import DragStep
+from fieldkit.selection.logged_forces import LoggedForces
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
-from fieldkit.services.findings import Findings, RepeatedFlight
+from fieldkit.services.findings import Compared, Findings, RepeatedFlight
 
 BARS = "▁▂▃▄▅▆▇█"
 """Characters of the bars, from zero to the largest miss."""
@@ -277,3 +279,58 @@ def _fingerprints(found: Findings) -> Iterator[str]:
         marks = {mark.readout: mark for mark in row}
         yield f"  {trial.candidate.effect + ' predicts':24}" + "".join(_signed(marks[n].expected) for n in names)
         yield f"  {'  observed':24}" + "".join(_signed(marks[n].found) for n in names)
+
+
+def mean_misses(found: Findings, shown: ShownUnits) -> Iterator[str]:
+    """The mean absolute errors of held-out flights, before and after; without a verdict what was looked for, and how
+    good the plain model is."""
+    if found.diagnosis.effect == "none":
+        yield from _plain_model(found, shown)
+        return
+    for source, compared in _held_out(found):
+        before, after = (shown.length(one.score.mae, 1) for one in (compared.before, compared.after))
+        yield f"  mean miss {before}, {after} with the verdict; each flight forecast from {source}"
+
+
+def _held_out(found: Findings) -> Iterator[tuple[str, Compared]]:
+    """The errors of held-out flights, with what each was forecast from."""
+    both = (("the others", found.left_out), ("earlier ones", found.forward))
+    yield from (one for one in both if one[1].before.flights)
+
+
+def _plain_model(found: Findings, shown: ShownUnits) -> Iterator[str]:
+    """The effects that were looked for, and the errors of the plain model."""
+    titles = {name: effect.title for name, effect in effects().items()}
+    looked_for = dict.fromkeys(titles.get(item.effect, item.effect) for item in found.diagnosis.ranking if item.effect)
+    yield f"  looked for: {', '.join(looked_for)}"
+    apogee = float(np.nanmean(np.exp(found.diagnosis.data.values[:, 0])[found.diagnosis.data.seen[:, 0]]))
+    for source, compared in _held_out(found):
+        score, count = compared.before.score, compared.before.flights
+        inside = f"{round(score.coverage90 * count)} of {count} inside the 90% interval"
+        miss = f"{shown.length(score.mae, 1)} off on average ({score.mae / apogee:.0%})"
+        yield f"  without a correction: {miss}, {inside}; each flight forecast from {source}"
+
+
+def forces_in_words(forces: LoggedForces | None) -> Iterator[str]:
+    """Which flights' drag switched, when and by how much; empty if no flight has a log."""
+    if forces is None:
+        return
+    if forces.drag:
+        yield f"drag along the coast, {counted(len(forces.drag), 'log')}: {_switched(forces)}"
+    reasons: dict[str, list[str]] = {}
+    for flight_id, why in forces.silent.items():
+        reasons.setdefault(why, []).append(flight_id)
+    for why, ids in reasons.items():
+        others = f" and {len(ids) - 1} more" if len(ids) > 1 else ""
+        yield f"{counted(len(ids), 'log')} without forces, {ids[0]}{others}: {why}"
+
+
+def _switched(forces: LoggedForces) -> str:
+    likely = {name: [step for step in one.steps if step.probability > 0.5] for name, one in forces.drag.items()}
+    named = [f"{flight_label(name)} {', '.join(map(_step, steps))}" for name, steps in likely.items() if steps]
+    return "it switches in " + "; ".join(named) if named else "constant within the errors"
+
+
+def _step(step: DragStep) -> str:
+    until = "on" if step.end is None else f"to {step.end:.1f} s"
+    return f"from {step.begin:.1f} s {until} (times {with_sd(step.ratio, step.sd)})"

@@ -16,6 +16,7 @@ from fieldkit.model.rocket_model import FlownFlight
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.proper_scores import crps
+from fieldkit.scoring.score import Score
 from fieldkit.selection.fleet_search import FleetFinding, fleet_of, log_shifts, search_fleet
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.track_record import replayed
@@ -25,19 +26,8 @@ MAX_JUDGED = 30
 
 
 @dataclass(frozen=True, slots=True)
-class FleetErrors:
-    """Errors of forecasts of later flights, forecast minus flown [m], and the fraction in the 90% interval [1]."""
-
-    flights: int
-    mae: float
-    rmse: float
-    bias: float
-    coverage90: float
-
-
-@dataclass(frozen=True, slots=True)
 class FleetResult:
-    """A finding, the flights and rockets that it concerns, and the errors on its later flights.
+    """A finding, the flights and rockets that it concerns, and the errors on its `later` flights.
 
     `before` is the error of the forecasts that the flyer would have been given, `after` that with the difference
     estimated from earlier flights; both are None if no flight of the group followed another.
@@ -46,8 +36,9 @@ class FleetResult:
     finding: FleetFinding
     flights: tuple[Flight, ...]
     rockets: tuple[str, ...]
-    before: FleetErrors | None
-    after: FleetErrors | None
+    later: int
+    before: Score | None
+    after: Score | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +93,7 @@ def close_fleet_loop(ledger: Ledger, motors: Catalogue, on_progress: ReportProgr
                 finding,
                 concerned,
                 tuple(dict.fromkeys(flight.rocket for flight in concerned)),
+                len(shifts),
                 _errors(shifts, issued, shifted=False),
                 _errors(shifts, issued, shifted=True),
             )
@@ -112,7 +104,7 @@ def close_fleet_loop(ledger: Ledger, motors: Catalogue, on_progress: ReportProgr
 
 def _errors(
     shifts: Mapping[tuple[str, str], float], issued: Mapping[tuple[str, str], Forecast], *, shifted: bool
-) -> FleetErrors | None:
+) -> Score | None:
     """The errors of the forecasts of some flights, as issued or shifted."""
     if not shifts:
         return None
@@ -121,8 +113,7 @@ def _errors(
     low, middle, high = np.array([row.issued for row in rows]).T * factor
     flown = np.array([row.flown for row in rows])
     error = middle - flown
-    return FleetErrors(
-        len(rows),
+    return Score(
         float(np.abs(error).mean()),
         float(np.sqrt((error**2).mean())),
         float(error.mean()),

@@ -105,9 +105,10 @@ def learn(
     start = START if from_start else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]
     found = learn_hyperprior(fleets, start, FULL_ROUNDS, FULL_STEPS, on_progress=on_progress)
+    options = ["--from-scratch"] * from_start + [f"--since {since}"] * (since is not None)
     about = {
         "name": "hyperprior",
-        "command": " ".join(["fieldkit learn", *_options(from_start, since), *(flyer.name for flyer in flyers)]),
+        "command": " ".join(["fieldkit learn", *options, *(flyer.name for flyer in flyers)]),
         "made_with": {"fieldkit": __version__},
         "data": [
             {
@@ -121,10 +122,6 @@ def learn(
         "log_evidence": {"before": evidence(fleets, start), "after": evidence(fleets, found)},
     }
     return replace(found, about=about)
-
-
-def _options(from_start: bool, since: date | None) -> list[str]:
-    return ["--from-scratch"] * from_start + [f"--since {since}"] * (since is not None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,7 @@ from datetime import datetime
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.simulated_again import simulated_again
-from fieldkit.forecast.term_draws import _sampled
+from fieldkit.forecast.term_draws import _sampled, simulated_again
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.model.hyperprior import START
 from fieldkit.model.readout_data import observe

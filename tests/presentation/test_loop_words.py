@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fieldkit.presentation.held_out_text import mean_misses
-from fieldkit.presentation.loop_text import candidate_row, in_next_flight
+from fieldkit.presentation.loop_text import candidate_row, in_next_flight, mean_misses
 from fieldkit.quantities import ShownUnits
 from fieldkit.selection.candidates import EACH_GROUP, Pattern, Place
 

@@ -1,16 +1,18 @@
 """The probabilities of effects from one linear pass: closed-form evidence of every effect in every place, alone and
 beside each other, with the model and the prior of the loop.
 
-Derivation: Bayes' theorem, in `fieldkit.inference.evidence` and `joint_evidence`.
+Derivation: Bayes' theorem, in `fieldkit.inference.evidence`, and here over the sets of at most two effects, with
+independent prior odds; the evidence of two effects is the product of their own, times that of one beside the other
+relative to that alone.
 """
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
 from fieldkit.inference.history.evidence import Trials, conditional, weigh_placed
-from fieldkit.inference.history.joint_evidence import log_odds
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
     history_data,
@@ -27,6 +29,7 @@ from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.readout_data import Data, readings
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.history import History
+from fieldkit.shapes import Array, Float
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,3 +112,26 @@ def families(trials: Trials) -> dict[str, list[int]]:
 
 def _probability(odds: float) -> float:
     return float(1 / (1 + np.exp(-np.clip(odds, -500.0, 500.0))))
+
+
+def log_odds(
+    log_prior_odds: Float[Array, "effect"], log_bayes: Float[Array, "effect"], beside: Float[Array, "effect effect"]
+) -> tuple[Float[Array, "effect"], float]:
+    """The log odds that each effect is present, and that none is. [nat]
+
+    `log_prior_odds` are those of each effect before the flights, `log_bayes` is its log Bayes factor, and `beside` that
+    of each beside each other, alone on the diagonal.
+    """
+    count = len(log_bayes)
+    if not count:
+        return np.zeros(0), 0.0
+    own = log_prior_odds + log_bayes
+    pairs = np.array(list(combinations(range(count), 2)), int).reshape(-1, 2)
+    first, second = pairs.T
+    weights = np.r_[0.0, own, own[first] + own[second] + beside[first, second] - beside[first, first]]
+    has = np.zeros((len(weights), count), bool)
+    has[1 : count + 1] = np.eye(count, dtype=bool)
+    has[np.arange(count + 1, len(weights)), first] = has[np.arange(count + 1, len(weights)), second] = True
+    there = np.logaddexp.reduce(np.where(has, weights[:, None], -np.inf), axis=0)
+    absent = np.logaddexp.reduce(np.where(has, -np.inf, weights[:, None]), axis=0)
+    return there - absent, float(-np.logaddexp.reduce(weights[1:]))

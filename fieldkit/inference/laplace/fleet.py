@@ -23,7 +23,6 @@ from fieldkit.model.rocket_model import FlownFlights, Model, base_model, shared_
 from fieldkit.model.shared_prior import Message, SharedPrior, combined
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.history import flown_and_planned
-from fieldkit.shapes import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,11 +69,7 @@ def message_of(result: Fit, further: Sequence[TermName] = ()) -> Message:
     moved = vectors.T @ ((middle - prior_mean) / prior_sd)
     precision = (vectors * gained) @ vectors.T / np.outer(prior_sd, prior_sd)
     shift = (vectors @ ((gained + (gained > 0)) * moved)) / prior_sd
-    return Message(tuple(names), _symmetric(precision), shift)
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray(0.5 * (matrix + matrix.T))
+    return Message(tuple(names), np.asarray(0.5 * (precision + precision.T)), shift)
 
 
 def independent_prior(models: Sequence[Model], further: Sequence[TermName] = ()) -> SharedPrior:

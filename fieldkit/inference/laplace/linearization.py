@@ -46,7 +46,8 @@ def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "
     simulated separately. Raises ImpossibleFlight for a flight without a dry mass."""
     if all(kind.bends != "tilt" for kind in model.scatter):
         return np.zeros((len(model.flights), len(OBSERVED_READOUTS)))
-    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _tilts(model)}))
+    none_and_one = np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))
+    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": none_and_one}))
     return np.asarray(leaning - upright)
 
 
@@ -65,11 +66,6 @@ def coast_times(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"
     Raises ImpossibleFlight for a flight without a dry mass.
     """
     return np.asarray(shown(model, at[None], {})["coast_time"][0])
-
-
-def _tilts(model: Model) -> Float[Array, "2 flight"]:
-    """The model without a launch angle, and with one unit of it."""
-    return np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))
 
 
 def tangents(

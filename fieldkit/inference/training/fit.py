@@ -77,7 +77,7 @@ def fit(
             optimiser.step()
             if cycle:
                 cycle.step()
-        loss_there = _loss(network, *validation)
+        loss_there = float((outputs(network, validation[0]) - validation[1]).square().mean())
         if not cycle:
             plateau.step(loss_there)
         if progress:
@@ -89,7 +89,3 @@ def outputs(network: Network, x: Tensor) -> Tensor:
     with torch.no_grad():
         members = network.linears[0].weight.shape[0]
         return network(x.T.expand(members, -1, -1), training=False).transpose(1, 2)
-
-
-def _loss(network: Network, x: Tensor, truth: Tensor) -> float:
-    return float((outputs(network, x) - truth).square().mean())

@@ -46,8 +46,7 @@ from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_w
 from fieldkit.services.season_guide import season_guide
 from fieldkit.services.track_record import replayed
 from fieldkit.shapes import Array, Float
-from fieldkit.tui.next import large_figures
-from fieldkit.tui.next.answer import Answer
+from fieldkit.tui.next.answer import Answer, with_ballast, with_delay, with_misses, with_points
 from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.next.motor_rows import TARGET_BAND
 from fieldkit.tui.next.next_words import by_keys, folded, unfolded
@@ -231,7 +230,7 @@ class Decision:
         judged = delays(self.plan, fast, takes_off, left)
         words = tuple(delays_in_words(judged, fast, tool, self.system))
         answer = self._answer(words, judged.forecast)
-        return of_delays(large_figures.of_delay(answer, judged), judged)
+        return of_delays(with_delay(answer, judged), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: Day) -> Answer:
         """The dry mass that best meets a target [m], or has the fewest expected points of a season."""
@@ -244,7 +243,7 @@ class Decision:
         prediction = best.advised
         more = _limits_of(rule, prediction, day) if rule else ()
         answer = self._answer(tuple(ballast_in_words(best, goal, self.system)), prediction, more)
-        answer = large_figures.of_ballast(answer, best, self.system)
+        answer = with_ballast(answer, best, self.system)
         return of_apogee(answer, prediction.apogee, goal.target, self.system)
 
     def _without_target(self) -> Answer:
@@ -268,7 +267,7 @@ class Decision:
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
         answer = self._answer(words, prediction, _limits_of(rule, prediction, day), area)
         points = ahead.points.ravel()
-        return of_points(large_figures.of_points(answer, points), points)
+        return of_points(with_points(answer, points), points)
 
     def season(self, ledger: Ledger, year: int, day: Day) -> Answer:
         """A season's steps: what is done, what is missing, and what to do next."""
@@ -330,7 +329,7 @@ class Decision:
         if not rows:
             return Answer(("Needs two normal flights with an apogee: each is forecast from the earlier ones.",))
         found = judged_report(rows)
-        answer = large_figures.of_misses(Answer(tuple(in_brief(found, self.system))), found, rocket, self.system)
+        answer = with_misses(Answer(tuple(in_brief(found, self.system))), found, rocket, self.system)
         return of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:

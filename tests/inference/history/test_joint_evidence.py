@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from fieldkit.inference.history.joint_evidence import log_odds
+from fieldkit.inference.history.effect_probabilities import log_odds
 
 pytestmark = pytest.mark.fast
 PRIOR = np.full(2, np.log(0.25))

@@ -12,8 +12,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import BY_NAME
 from fieldkit.physics.effect import effect_named
-from fieldkit.presentation.forces_text import forces_in_words
-from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
+from fieldkit.presentation.loop_text import forces_in_words, how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
 from fieldkit.quantities import ShownUnits, in_system, strength_in_words
