@@ -95,12 +95,7 @@ def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> S
 
     try:
         port = serial.Serial(
-            name,
-            baudrate=settings.baud,
-            xonxoff=settings.xonxoff,
-            timeout=WAIT,
-            write_timeout=5,
-            exclusive=True,
+            name, baudrate=settings.baud, xonxoff=settings.xonxoff, timeout=WAIT, write_timeout=5, exclusive=True
         )
     except _faults() as error:
         raise PortTrouble(f"{name}: cannot be opened ({_reason(error)}); {_advice(error)}") from error

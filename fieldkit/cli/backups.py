@@ -50,11 +50,7 @@ def restore(
     file, chosen = chosen_copy(context.find_root().obj, number)
     when = f"{chosen.at.astimezone():%Y-%m-%d %H:%M}"
     if not yes:
-        typer.confirm(
-            f"Restore backup {chosen.number} of {when}, with {_content(chosen)}?",
-            abort=True,
-            err=True,
-        )
+        typer.confirm(f"Restore backup {chosen.number} of {when}, with {_content(chosen)}?", abort=True, err=True)
     left = restore(file, chosen)
     say(f"Restored the ledger of {when}, with {_content(chosen)}")
     if left:

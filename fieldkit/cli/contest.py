@@ -11,14 +11,7 @@ import typer
 from fieldkit import files
 from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import (
-    RocketLength,
-    about_plan,
-    planning,
-    print_plan,
-    print_safety,
-    season_year,
-)
+from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, print_safety, season_year
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.flight.short_name import short_name
@@ -91,11 +84,7 @@ def finals(
         files.write(card, finals_card_of(one, card.suffix.lower(), chosen), force=force)
         complain(f"Wrote the card to {card}")
     if json:
-        document = {
-            "season": rule.year,
-            "motor": plan.found.motor.designation,
-            "finals": finals_document(one),
-        }
+        document = {"season": rule.year, "motor": plan.found.motor.designation, "finals": finals_document(one)}
         document |= {"flights": prediction.rests_on, "timed_flights": fall.flights}
         print_json(document | about_plan(prediction, one.lines))
         return

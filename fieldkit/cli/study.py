@@ -35,12 +35,7 @@ def reference(out: Out = None, force: ForceOption = False) -> None:
 
 
 @study.command()
-def rockets(
-    context: typer.Context,
-    out: Out = None,
-    force: ForceOption = False,
-    unnamed: Unnamed = False,
-) -> None:
+def rockets(context: typer.Context, out: Out = None, force: ForceOption = False, unnamed: Unnamed = False) -> None:
     """Search each rocket's history for effects, and measure how much they improve forecasts of later flights."""
     need_studies()
     from fieldkit.services.forecasts import flown
@@ -57,12 +52,7 @@ def rockets(
 
 
 @study.command()
-def shortfall(
-    context: typer.Context,
-    out: Out = None,
-    force: ForceOption = False,
-    unnamed: Unnamed = False,
-) -> None:
+def shortfall(context: typer.Context, out: Out = None, force: ForceOption = False, unnamed: Unnamed = False) -> None:
     """Break down why flights fall short of simulation: launch angle, impulse, mass, drag, device."""
     need_studies()
     from fieldkit.services.forecasts import flown

@@ -266,10 +266,7 @@ def middles(flights: Iterable[Flight]) -> dict[str, float]:
     return {name: median(values) for name, values in known.items() if values}
 
 
-def doubts(
-    flight: Flight,
-    usual: Mapping[str, float] = MappingProxyType({}),
-) -> list[TextWithAmounts]:
+def doubts(flight: Flight, usual: Mapping[str, float] = MappingProxyType({})) -> list[TextWithAmounts]:
     """Values in a flight that look mistyped, one phrase each: values outside the range of their column, and readouts
     that contradict each other or the `usual` ones (the `middles` of flights of the same rocket on the same motor)."""
     return [phrase for phrase, _ in doubted(flight, usual)]

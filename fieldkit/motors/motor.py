@@ -137,10 +137,7 @@ def burning(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> tuple[f
 
 
 def _integral(
-    time: Float[Array, "knot"],
-    thrust: Float[Array, "knot"],
-    weight: Float[Array, "knot"],
-    centre: float | None = None,
+    time: Float[Array, "knot"], thrust: Float[Array, "knot"], weight: Float[Array, "knot"], centre: float | None = None
 ) -> float:
     """Integral of thrust times a weight, t or (t - center)^2, by Simpson's rule, which is exact for this cubic."""
     middle = (time[1:] + time[:-1]) / 2

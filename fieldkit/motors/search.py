@@ -150,24 +150,13 @@ def _fitting(listings: Listings, name: Name, maker: str) -> list[Listing]:
 
 
 def _fits(listing: Listing, name: Name) -> bool:
-    return compatible(name.letters, listing.letters) and name.prefix in (
-        "",
-        parse(listing.designation).prefix,
-    )
+    return compatible(name.letters, listing.letters) and name.prefix in ("", parse(listing.designation).prefix)
 
 
 def _formerly(listing: Listing, name: Name) -> bool:
     """Whether a name matches the previous designation of a motor."""
     former = parse(listing.former)
-    return (
-        former.core == name.core
-        and compatible(name.letters, former.letters)
-        and name.prefix
-        in (
-            "",
-            former.prefix,
-        )
-    )
+    return former.core == name.core and compatible(name.letters, former.letters) and name.prefix in ("", former.prefix)
 
 
 def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Listing]:

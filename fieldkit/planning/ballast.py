@@ -134,10 +134,7 @@ class Ballast:
 
 
 def ballast(
-    plan: Plan,
-    goal: Goal,
-    bounds: tuple[float | None, float | None] = (None, None),
-    draws: int = DRAWS,
+    plan: Plan, goal: Goal, bounds: tuple[float | None, float | None] = (None, None), draws: int = DRAWS
 ) -> Ballast:
     """The dry mass within `bounds` [kg] that best meets a goal; with a season the duration counts as well.
 

@@ -93,12 +93,7 @@ class Plan:
 
 
 def forecasts(
-    rocket: RocketData,
-    planned: PlannedFlights,
-    *,
-    draws: int = DRAWS,
-    paired: bool = True,
-    in_order: bool = False,
+    rocket: RocketData, planned: PlannedFlights, *, draws: int = DRAWS, paired: bool = True, in_order: bool = False
 ) -> list[Prediction]:
     """Forecasts of plans, each as the next flight or `in_order` flown one after the other, in the given order; nothing
     is saved. Every forecast of fieldkit for a flyer is made here.
@@ -141,11 +136,7 @@ def fitted_forecast(
     )
 
 
-def forecast_plans(
-    rocket: RocketData,
-    fitted: FittedForecast,
-    paired: bool = True,
-) -> list[Prediction]:
+def forecast_plans(rocket: RocketData, fitted: FittedForecast, paired: bool = True) -> list[Prediction]:
     """Simulate the plans of a fit as in `fly_ahead`, corrected by the results of earlier forecasts. Raises
     ImpossibleFlight for a flight without a dry mass."""
     made = fly_ahead(fitted, paired=paired)

@@ -9,14 +9,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.forecasts import Plan
-from fieldkit.planning.landing import (
-    MAX_RECOMMENDED_ANGLE,
-    Landing,
-    RailChoice,
-    landing,
-    rail_choices,
-    wind_that_holds,
-)
+from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, Landing, RailChoice, landing, rail_choices, wind_that_holds
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.safety import safety_lines
 

@@ -23,13 +23,7 @@ def finals_headers(fall: Fall, system: str = "SI") -> tuple[str, ...]:
     return (
         (*first, "apogee ft", "altitude points")
         if fall.assumed
-        else (
-            *first,
-            "parachute",
-            "apogee ft",
-            "seconds",
-            "points",
-        )
+        else (*first, "parachute", "apogee ft", "seconds", "points")
     )
 
 

@@ -22,12 +22,7 @@ if TYPE_CHECKING:
     from fieldkit.services.scores import LedgerScores
 
 FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
-MIDDLES = {
-    "certified": "uncalibrated",
-    "persistence": "flight_before",
-    "scaled": "scalar",
-    "repeated": "last_on_motor",
-}
+MIDDLES = {"certified": "uncalibrated", "persistence": "flight_before", "scaled": "scalar", "repeated": "last_on_motor"}
 """Keys of the rivals' medians, unchanged since the first version."""
 
 

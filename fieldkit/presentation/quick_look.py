@@ -42,12 +42,7 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
             }
             for one in found.candidates
         ],
-        "verdict": {
-            "effect": found.effect,
-            "confidence": found.confidence,
-            "why": found.why,
-            "also": list(found.also),
-        },
+        "verdict": {"effect": found.effect, "confidence": found.confidence, "why": found.why, "also": list(found.also)},
         "before": before,
         "after": finite(found.after.json()),
         "same_flight_again": {"apogee_m": {"p05": low, "p50": middle, "p95": high}},

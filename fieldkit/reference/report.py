@@ -177,17 +177,9 @@ def rules(flights: Reference) -> list[ForecastRule]:
             f"Cd {NOMINAL_CD}, alpha 1",
             _fixed(certified(casing=True)),
         ),
+        ForecastRule("nominal_certified", "nominal Cd, certified curves", f"Cd {NOMINAL_CD}, alpha 1", _fixed(curves)),
         ForecastRule(
-            "nominal_certified",
-            "nominal Cd, certified curves",
-            f"Cd {NOMINAL_CD}, alpha 1",
-            _fixed(curves),
-        ),
-        ForecastRule(
-            "nominal_paper",
-            "nominal Cd, paper's physics",
-            f"Cd {NOMINAL_CD}, alpha 1",
-            _fixed(paper.paper_burns()),
+            "nominal_paper", "nominal Cd, paper's physics", f"Cd {NOMINAL_CD}, alpha 1", _fixed(paper.paper_burns())
         ),
     ]
 

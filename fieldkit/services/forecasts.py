@@ -179,18 +179,11 @@ def _keep(
             "made_from": parts,
             "likely_m": [round(float(x), 3) for x in likely],
         }
-        kept: dict[str, str] = {
-            "digest": digest(parts),
-            "rocket": one.plan.rocket,
-            "flight_id": one.plan.flight_id,
-        }
+        kept: dict[str, str] = {"digest": digest(parts), "rocket": one.plan.rocket, "flight_id": one.plan.flight_id}
         if as_plan:
             build = f"{one.plan.rocket} {one.plan.config}".strip()
             flown = [flight.flight_id for flight in ledger.flights(one.plan.rocket) if flight.readouts()]
-            payload |= {
-                PLAN: setup_answers(one.plan),
-                FLOWN_BEFORE: [id for id in flown if id not in parts["flights"]],
-            }
+            payload |= {PLAN: setup_answers(one.plan), FLOWN_BEFORE: [id for id in flown if id not in parts["flights"]]}
             ledger.keep_plan(payload, what=f"{build} on {one.plan.motor}", **kept)
         else:
             ledger.keep_prediction(payload, **kept)

@@ -55,11 +55,7 @@ def shows(flight: Flight) -> bool:
 
 def set_up(flight: Flight) -> Flight:
     """A flight without its readouts and notes: everything that determines its simulation."""
-    return replace(
-        flight.unflown(sd={}, source={}, tags=(), flight_id="typed"),
-        notes="",
-        extra={},
-    )
+    return replace(flight.unflown(sd={}, source={}, tags=(), flight_id="typed"), notes="", extra={})
 
 
 class TypedFlight:

@@ -7,13 +7,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.planning.finals import FinalsPlan
 from fieldkit.planning.planned_flight import PlannedFlight
-from fieldkit.presentation.finals_text import (
-    finals_failures,
-    finals_headers,
-    finals_heading,
-    finals_notes,
-    finals_rows,
-)
+from fieldkit.presentation.finals_text import finals_failures, finals_headers, finals_heading, finals_notes, finals_rows
 from fieldkit.presentation.forecast_text import in_words
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import conditions_in_words

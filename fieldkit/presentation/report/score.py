@@ -37,11 +37,7 @@ def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> No
     from matplotlib.figure import Figure  # takes 0.3 s to import
 
     check_picture(path)
-    reports = {
-        "saved forecasts": found.saved,
-        "replayed forward in time": found.later,
-        "first flights": found.first,
-    }
+    reports = {"saved forecasts": found.saved, "replayed forward in time": found.later, "first flights": found.first}
     there = {title: report for title, report in reports.items() if report and report.rows}
     with styled():
         figure = Figure(figsize=(8.27, 3.1 * len(there)), layout="constrained")

@@ -57,11 +57,7 @@ def hills(flight: Flight, resources: Resources) -> Hills:
     """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
     drag = drag_facts(flight, resources.ledger, resources.motors, resources.settings.units)
     drawn = tuple(
-        (
-            place,
-            f"{title}  {with_sd(values.mean(), values.std())}",
-            draw_density(values, lambda value: f"{value:g}"),
-        )
+        (place, f"{title}  {with_sd(values.mean(), values.std())}", draw_density(values, lambda value: f"{value:g}"))
         for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "thrust", drag.thrust))
     )
     return Hills(drawn, drag.warnings)

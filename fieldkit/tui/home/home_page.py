@@ -49,11 +49,7 @@ if TYPE_CHECKING:
     from fieldkit.tui.pad.pad_screen import PadTimer
 
 
-CHOICES = (
-    ("f", "Fly", "choose a motor"),
-    ("a", "Add", "add a flight"),
-    ("p", "Plan", "rocket and weather"),
-)
+CHOICES = (("f", "Fly", "choose a motor"), ("a", "Add", "add a flight"), ("p", "Plan", "rocket and weather"))
 """Key, name, and description."""
 LONG_CHOICE_WIDTH = 34
 """Width above which a choice shows its description. [cell]"""

@@ -10,20 +10,11 @@ IMPORT_HELP = Help(
     "together, such as the logs of several altimeters in one flight.",
     (
         ("format", "The parser that recognized the file by its content. F to choose another one."),
-        (
-            "look",
-            "l to plot the flight from lift-off, with a cursor, and to list columns, readouts and events.",
-        ),
+        ("look", "l to plot the flight from lift-off, with a cursor, and to list columns, readouts and events."),
         ("rejected", "Rows that cannot become flights: fix them in the file and import it again."),
-        (
-            "columns",
-            "m to map the columns of a table; M to change or remove saved mappings.",
-        ),
+        ("columns", "m to map the columns of a table; M to change or remove saved mappings."),
         ("values", "e for values that the file lacks, such as the rocket and its mass, for every flight in it."),
-        (
-            "design",
-            "A design (.ork, .rkt, .CDX1) adds no flight: mass, diameter and Cd are the start of a rocket.",
-        ),
+        ("design", "A design (.ork, .rkt, .CDX1) adds no flight: mass, diameter and Cd are the start of a rocket."),
         (
             "weather",
             "Saved weather (Open-Meteo, Meteostat, METAR, winds aloft, tables) fills in the conditions of flights at "

@@ -103,11 +103,7 @@ class FilePanel(Vertical):
 
 
 def ask_columns(
-    page: PageScreen,
-    path: Path,
-    answer: Callable[[Sequence[str]], None],
-    earlier: Sequence[str] = (),
-    of: str = "",
+    page: PageScreen, path: Path, answer: Callable[[Sequence[str]], None], earlier: Sequence[str] = (), of: str = ""
 ) -> None:
     """Ask for the meaning of a file's columns; its rows are `of` samples or flights, or of the kind detected if it is
     empty. `answer` gets a text NAME=COLUMN for each column; the form shows the `earlier` ones of this table, so that a

@@ -136,12 +136,7 @@ def ranking_rows(diagnosis: Diagnosis, system: str) -> dict[str, tuple[str, ...]
             place = item.best.candidate.place
             words = strength_in_words(mean, sd, item.best.unit, system).split()
             strength = words[: 3 if "%" in words[2] else 4]  # with its unit, without what it is a fraction of
-            rows[str(place)] = (
-                place.in_words,
-                f"{item.probability:.0%}",
-                f"{item.log_bayes:+.1f}",
-                " ".join(strength),
-            )
+            rows[str(place)] = (place.in_words, f"{item.probability:.0%}", f"{item.log_bayes:+.1f}", " ".join(strength))
     return rows
 
 

@@ -294,11 +294,7 @@ class Decision:
         one = planned_flight(self.plan, self.site, self.limits)
         words = tuple(map(by_keys, landing_in_words(one, self.site, self.system)))
         words += ("", "w to write the range safety sheet, R the range card")
-        answer = Answer(
-            words,
-            tuple(unfolded(one.lines, self.system)),
-            folded=tuple(folded(one.lines, self.system)),
-        )
+        answer = Answer(words, tuple(unfolded(one.lines, self.system)), folded=tuple(folded(one.lines, self.system)))
         place = of_drift if one.down.wind is None else of_landing
         return place(answer, one, self.site.size, self.system)
 
@@ -363,9 +359,7 @@ class Decision:
         lines = [*self._checks(prediction, area), *more]
         conditions = (*conditions_in_words(prediction.plan, self.plan.rocket.known, self.system), "")
         return Answer(
-            words,
-            (*conditions, *unfolded(lines, self.system)),
-            folded=(*conditions, *folded(lines, self.system)),
+            words, (*conditions, *unfolded(lines, self.system)), folded=(*conditions, *folded(lines, self.system))
         )
 
 

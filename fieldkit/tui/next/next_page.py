@@ -90,10 +90,7 @@ NEXT_HELP = Help(
             "The true height above the pad. A barometric altimeter reads low on a hot day and high on a cold one.",
         ),
         ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; negative is before it."),
-        (
-            "✓ ! ⊘ ?",
-            "Safety checks: ok, caution, unsafe, unknown; each with its value and limit further down.",
-        ),
+        ("✓ ! ⊘ ?", "Safety checks: ok, caution, unsafe, unknown; each with its value and limit further down."),
         (
             "checks",
             "Rail exit speed, thrust to weight, ground wind, launch angle, ceiling, field size, ejection speed, motor "
