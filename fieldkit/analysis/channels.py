@@ -154,6 +154,7 @@ def all_heights(clocks: Sequence[Series]) -> Iterator[Heights]:
             if name == "altitude" and zero_moved(series):
                 continue
             values = _as_read(_without_fill(values))
+            values = _centered(values) if name == "pressure" else values
             values = on_one_zero(series.time, values) if name in ("altitude", "altitude_msl") else values
             time, values = _usable(series.time, _without_held(series.time, values, name))
             time, values = _thinned(time, values, name == "pressure")
@@ -231,6 +232,28 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
     if alone.sum() < MIN_SAMPLES or (alone & far).sum() < 0.9 * (~zero[1:-1] & far).sum():
         return values
     return np.where(zero, np.nan, values) if (alone & far).sum() >= MIN_SAMPLES else values
+
+
+def _centered(pressure: Float[Array, "row"]) -> Float[Array, "row"]:
+    """Pressures of few digits, with powers of ten in the middle of what was rounded to them. [Pa]
+
+    Derivation: of numbers with three digits, 1.01E5 follows 1.00E5 ten times as far as 9.99E4 precedes it, so that the
+    latter stands for 99,950 to 100,500.
+    """
+    known = np.isfinite(pressure) & (pressure > 0)
+    decade = 10.0 ** np.floor(np.log10(np.where(known, pressure, 1.0)) + 1e-9)
+    for digits in _FEW_DIGITS:
+        step = decade * 10.0 ** (1 - digits)
+        if not (np.abs(pressure / step - np.round(pressure / step))[known] < 1e-6).all():
+            continue
+        at = known & np.isclose(pressure, decade)
+        finer = known & (decade < decade[at].max(initial=0.0)) & (np.abs(pressure % step[at].max(initial=1.0)) > 0)
+        return np.where(at, pressure + (step - step / 10) / 4, pressure) if finer.any() else pressure
+    return pressure
+
+
+_FEW_DIGITS = (2, 3, 4)
+"""Numbers of digits that a column too narrow for its numbers shows. [1]"""
 
 
 def _as_read(values: Float[Array, "row"]) -> Float[Array, "row"]:

@@ -7,7 +7,7 @@ speed is a height divided by a time.
 import numpy as np
 
 from fieldkit.analysis.apogee import slow_error_sd
-from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.channels import Heights, resolution_at
 from fieldkit.analysis.descent_stages import SLOWEST_DESCENT
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
@@ -71,6 +71,8 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     level = float(np.median(height[rest]))
     slow_error = slow_error_sd(track, seen)
     level_sd = float(np.hypot(slow_error, track.noise / np.sqrt(rest.sum())))
+    one = float(resolution_at(height[rest][:1], height)[0]) if np.ptp(height[rest]) == 0 else 0.0
+    held = max(track.held, one) / np.sqrt(12)  # the ground is anywhere within the one number that is shown of it
     found, end = Event(about, 1.0, track.source), about
     high = calm > level + 4 * np.hypot(track.noise, slow_error)
     bent = max(_BENT, _TAIL * track.bend)
@@ -82,9 +84,9 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         when = time[falls][line]
         slope, middle = student_line(when, height[falls][line], track.noise)
         end = (level - middle) / slope if slope < -0.3 else about
-        end = float(np.clip(end, about - 2 - bent, about + 1))
+        end = float(np.clip(end, about - 2 - bent, about + 1 + one / max(-slope, 0.5)))
         sd = float(np.hypot(_line_error(when, track.noise, end), level_sd)) / max(-slope, 0.5)
-        sd = float(np.linalg.norm([sd, track.lag_sd, track.held / max(-slope, 0.5) / np.sqrt(12)]))
+        sd = float(np.linalg.norm([sd, track.lag_sd, held / max(-slope, 0.5)]))
         found, high = Event(end, sd, track.source), np.full(time.size, True)
     return found, level
 
