@@ -92,7 +92,7 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
 
 def _as_weighed(unit: str, *masses: float) -> str:
     """Pounds instead of ounces for the mass of a heavy rocket, as a scale shows it; any other unit unchanged."""
-    return "lb" if unit == "oz" and max(masses) >= MIN_POUNDS else unit
+    return "lb" if unit == "oz" and min(masses) >= MIN_POUNDS else unit
 
 
 _OF_SI = {
@@ -140,7 +140,8 @@ def _written(one: Amount, system: str) -> str:
         digits = int(one.style.removeprefix(ROUNDED_STYLE))
         return with_unit(" to ".join(rounded(scale.from_si(value), digits) for value in one.values), unit)
     *low, high = (written(value, one.unit, system, int(one.style)) for value in one.values)
-    return " to ".join([*(end if unit == "lb" else end.split()[0] for end in low), high])
+    in_one_unit = all(end.split()[1:] == high.split()[1:] for end in low)
+    return " to ".join([*(end.split()[0] if in_one_unit else end for end in low), high])
 
 
 def area_unit(system: str) -> tuple[str, float]:

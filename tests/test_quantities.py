@@ -144,3 +144,5 @@ def test_a_heavy_rocket_is_weighed_in_pounds() -> None:
     assert ShownUnits("US").mass(0.322) == "11.36 oz"
     assert ShownUnits("SI").mass(4.0823) == "4082 g"
     assert in_system(message(amount(0.1, "g", 0, 9.07)), "US") == "3.53 oz to 20.00 lb"
+    assert in_system(message(amount(4.0823, "g", 0, 9.07)), "US") == "9.00 to 20.00 lb"
+    assert in_system(message(of_unit(0.005, "kg", 50.0)), "US") == "0.1764 to 1764 oz"
