@@ -47,9 +47,11 @@ def counted(count: int, noun: str) -> str:
     return f"{count:{',' if count >= MIN_GROUPED else ''}} {noun}{'' if count == 1 else 's'}"
 
 
-def unit_of(column: Column, system: str) -> str:
-    """The unit in which a column is shown and typed."""
-    return column.unit if column.quantity == "acceleration" else SYSTEMS[system].get(column.unit, column.unit)
+def unit_of(column: Column, system: str, value: float = 0.0) -> str:
+    """The unit in which a column is shown and typed; pounds instead of ounces for a mass [kg] of five or more."""
+    if column.quantity == "acceleration":
+        return column.unit
+    return _as_weighed(SYSTEMS[system].get(column.unit, column.unit), value)
 
 
 def system_typed(column: Column, unit: str, system: str) -> str:
@@ -235,6 +237,13 @@ def measure(column: Column, value: float | None, system: str) -> str:
     if value is None:
         return ""
     return with_unit(number(column, value, system), unit_of(column, system))
+
+
+def weighed(column: Column, value: float | None, system: str) -> str:
+    """A value [SI] as by `measure`, a heavy rocket in pounds: not for a form, which keeps hundredths of an ounce."""
+    if value is None or unit_of(column, system, value) != "lb":
+        return measure(column, value, system)
+    return written(value, column.unit, system)
 
 
 def in_own_unit(column: Column, value: float, unit: str, system: str) -> str:

@@ -19,12 +19,14 @@ from fieldkit.motors.motor import normalised
 from fieldkit.motors.search import CURVE_ERROR
 from fieldkit.motors.several import ONE_UNLIT, STAGES_NOTE
 from fieldkit.openrocket.parts import PER_AREA, PER_MASS
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.effect import effects
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import field_setup
 from fieldkit.physics.single import field_flight
 from fieldkit.planning.air import OTHER_AIR
 from fieldkit.planning.check import OFF_APOGEE
+from fieldkit.planning.quick_guide import QUICK_ERROR
 from fieldkit.planning.rule_lines import STABLE
 from fieldkit.presentation.planning_text import BREEZE, IN_A_BREEZE, OFF_VERTICAL
 from fieldkit.units import STANDARD_GRAVITY
@@ -175,3 +177,24 @@ def test_drag_near_the_speed_of_sound_lowers_the_apogee_as_the_page_of_forecasts
             high.append(round(100 * (without.apogee.item() / risen.apogee.item() - 1)))
     page = " ".join((Path(__file__).parents[1] / "docs" / "predictions.md").read_text(encoding="utf-8").split())
     assert f"too high: by {high[0]} to {high[1]}% at Mach 0.8 and {high[2]} to {high[3]}% at Mach 1.1" in page
+
+
+@pytest.mark.thorough
+def test_quick_figures_and_the_guide_are_off_by_at_most_the_stated_part(run: Run, tmp_path: Path) -> None:
+    """Of motors that fit the reference rocket: quick apogees beside those of the guide, the guide beside forecasts with
+    all simulations."""
+    run("import", REFERENCE_FLIGHTS)
+    listed = [one for one in run("motors", "--fit", "Astra", "--json").document["motors"] if one["fits"]]
+    at_once = run("motors", "--fit", "Astra", "--quick", "--json").document["motors"]
+    quick = {one["motor"]: one["apogee_m"]["p50"] for one in at_once}
+    off = [abs(quick[one["motor"]] / one["apogee_m"]["p50"] - 1) for one in listed]
+    assert len(off) > 20
+    assert 0.03 < max(off) < 0.10, QUICK_ERROR
+    rows = [f"{one['maker']} {one['motor']},{one['delay_s']},448,66" for one in listed]
+    plans = tmp_path / "plans.csv"
+    head = "rocket,config,motor,delay_s,dry_mass_g,diameter_mm"
+    plans.write_text("\n".join([head, *(f"Astra,B,{row}" for row in rows)]), encoding="utf-8")
+    flown = [one["apogee_m"] for one in run("predict", "--flights", plans, "--json").document["predictions"]]
+    for level, stated in (("p50", 0.03), ("p05", 0.12), ("p95", 0.12)):
+        beside = [abs(one["apogee_m"][level] / whole[level] - 1) for one, whole in zip(listed, flown, strict=True)]
+        assert 0.5 * stated < max(beside) < stated

@@ -93,9 +93,11 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
         yield from ("", f"## {heading.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
-        yield from ("| what | seconds | relative to | rate or response times |", "|---|---|---|---|")
         rows = _ends([row for row in kept["benchmarks"] if f"def {row['name'].partition('[')[0]}(" in source])
-        yield from (_line(row) for row in rows if row.keys() & {"ratio", *RATES})
+        cells = [HEAD, *(_cells(row) for row in rows if row.keys() & {"ratio", *RATES})]
+        filled = [place for place in range(len(HEAD)) if any(line[place] for line in cells[1:])]
+        head, *lines = (f"| {' | '.join(line[place] for place in filled)} |" for line in cells)
+        yield from (head, "|---" * len(filled) + "|", *lines)
 
 
 def _ends(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -133,20 +135,24 @@ PARAMETERS = {"still": "still air", "windy": "wind", "24": "first 24 rows", "Non
 """What parameters mean."""
 
 
-def _line(row: dict[str, Any]) -> str:
+HEAD = ("what", "seconds", "relative to", "rate or response times")
+"""The columns of a table; one without a figure is not in it."""
+
+
+def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     what, _, given = row["name"].removeprefix("test_").rstrip("]").partition("[")
     relative = re.sub(r"^.* of (\d+ flights)$", r"\1", row.get("beside", ""))
-    cells = [
+    return (
         _label(what, given),
         f"{row['min_s']:.3g}",
         f"{row['ratio']:.3g} × {relative}" if "ratio" in row else "",
         "; ".join([*_within(row), *(f"{row[key]:,} {unit} per second" for key, unit in RATES.items() if key in row)]),
-    ]
-    return f"| {' | '.join(cells)} |"
+    )
 
 
 def _label(what: str, given: str) -> str:
     """What a benchmark measures, in words, with its parameters."""
+    given = re.sub(r"libraries\d+", "", given)  # they are named beside the ratio
     parts = [PARAMETERS.get(part, part) for part in given.split("-")] if not given.startswith("fieldkit") else [given]
     numbers = [int(part) if part.isdigit() else part for part in parts]
     if what in LABELS:

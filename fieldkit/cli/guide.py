@@ -331,7 +331,9 @@ def _table(choices: "list[MotorChoice]", names: MotorNames, most: int) -> None:
     say_wrapped(
         f"*: not flown by this rocket. shown: apogee on the altimeter, true: true apogee [{shown.length_unit}]. "
         f"rail, top: speed off the rail and top speed [{shown.speed(0.0).split()[1]}]. "
-        "T:W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks."
+        "T:W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks. With "
+        "few simulations of each motor, apogees may be 3% off either way (in wind 7%), and the ends of the 90% 12%: "
+        "`fieldkit predict` has more."
     )
 
 
@@ -345,7 +347,7 @@ def print_quick_guide(
     json: bool,
 ) -> None:
     """Print quick forecasts. Raises NoFlights for a rocket that has not flown."""
-    from fieldkit.planning.quick_guide import quick_guide, sorted_quickly
+    from fieldkit.planning.quick_guide import QUICK_ERROR, quick_guide, sorted_quickly
     from fieldkit.presentation.quick_look import EVALUATION
 
     if not plan.rocket.history:
@@ -357,7 +359,7 @@ def print_quick_guide(
         return
     shown = ShownUnits(system())
     name = " ".join(part for part in (plan.flight.rocket, plan.flight.config) if part)
-    say(f"{name}: provisional forecasts by a linear pass on {counted(len(found), 'motor')}; nothing is saved")
+    say_wrapped(f"{name}: forecasts on {counted(len(found), 'motor')}, {QUICK_ERROR}; nothing is saved")
     headers = ("motor", "shown", "90%", "T:W", "avg", "top")
     rows = []
     for one in found:
@@ -369,5 +371,5 @@ def print_quick_guide(
     say_wrapped(
         f"*: not flown by this rocket. shown: apogee on the altimeter [{shown.length_unit}]. "
         f"top: top speed [{shown.speed(0.0).split()[1]}]. T:W, avg: thrust to weight in the first half second and on "
-        "average. Not checked by the fit, without delays and safety checks: leave out --quick for those."
+        "average. Without delays and safety checks: leave out --quick for those."
     )

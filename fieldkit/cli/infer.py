@@ -61,7 +61,8 @@ def infer(
     print_table(headers, rows, numbers=headers[2:])
     if model is InferenceName.field:
         say_wrapped(
-            "Provisional, by a linear pass over each flight alone; `fieldkit predict` fits a rocket's flights together"
+            "Provisional, from each flight alone: half of the Cd are off by more than a tenth, either way; `fieldkit "
+            "predict` fits a rocket's flights together"
         )
 
 

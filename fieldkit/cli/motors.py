@@ -114,7 +114,7 @@ def motors(
         bool,
         typer.Option(
             "--quick",
-            help="Provisional apogees, at once; without delays and safety checks.",
+            help="Provisional apogees at once, off by up to 10% either way; without delays and safety checks.",
             rich_help_panel=GUIDE,
         ),
     ] = False,

@@ -110,6 +110,7 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 def print_card(flight: "Flight", id: str) -> None:
     """Print everything known about a flight, one line each, in the user's units."""
     from fieldkit.importing.manual_entry import answer_text
+    from fieldkit.presentation import logged
 
     chosen = system()
 
@@ -119,11 +120,12 @@ def print_card(flight: "Flight", id: str) -> None:
         *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
     ]
     for column in COLUMNS:
-        number, unit = flight.number(column.name), unit_of(column, chosen)
+        number = flight.number(column.name)
+        unit = unit_of(column, chosen, number or 0.0)
         scale = units.unit(column.quantity, unit)
         sd = scale.difference_from_si(flight.sd.get(column.name, 0.0))
         lines.append((column.title, "" if number is None else with_unit(with_sd(scale.from_si(number), sd), unit)))
-    lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
+    lines += [("Notes", flight.notes), ("Log", flight.log), *logged.beside(flight.extra, chosen)]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)
     for title, value in known:

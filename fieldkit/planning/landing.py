@@ -23,7 +23,7 @@ from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.quantiles import Three, named, three, three_of_all
 from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Bool, Flags, Float
-from fieldkit.units import DEGREE
+from fieldkit.units import DEGREE, FOOT
 
 WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
 """Standard deviation of the log of the actual wind speed relative to the declared one, as in the training of the
@@ -244,15 +244,16 @@ def wind_that_holds(plan: Plan, size: float) -> float:
     return float(np.interp(0.0, beyond[around], TRIED_WINDS[around]))
 
 
-PROFILE_HEIGHTS = (0.0, 100.0, 300.0)
-"""Heights at which the wind is listed. [m]"""
+PROFILE_HEIGHTS = {"m": (0.0, 100.0, 300.0), "ft": (0.0, 300 * FOOT, 1000 * FOOT)}
+"""Heights at which the wind is listed [m], round in the unit in which lengths are shown."""
 
 
 def profile_in_words(wind: WindProfile, shown: ShownUnits) -> str:
     """The wind at several heights: `4.0 m/s at the pad, 7.0 m/s at 100 m, 8.2 m/s at 300 m`."""
-    along, across = wind.components(np.array(PROFILE_HEIGHTS))
+    heights = PROFILE_HEIGHTS[shown.length_unit]
+    along, across = wind.components(np.array(heights))
     speeds = np.hypot(along, across)
-    aloft = zip(speeds[1:], PROFILE_HEIGHTS[1:], strict=True)
+    aloft = zip(speeds[1:], heights[1:], strict=True)
     more = ", ".join(f"{shown.speed(speed)} at {shown.length(height)}" for speed, height in aloft)
     return f"{shown.speed(speeds[0])} at the pad, {more}"
 

@@ -18,6 +18,8 @@ from fieldkit.planning.quantiles import Three, named
 from fieldkit.planning.safety import thrust_line, thrust_to_weight
 
 LEVELS = (0.05, 0.5, 0.95)
+QUICK_ERROR = "provisional: off by up to 10% either way, more if flights disagree"
+"""How far quick apogees are from those of the full forecast, of motors that fit."""
 
 
 @dataclass(frozen=True, slots=True)

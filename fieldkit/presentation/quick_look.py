@@ -123,11 +123,11 @@ def forecast_line(found: QuickForecast, system: str = "SI") -> str:
     answer = _by_the_pass(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
     apogee = answer["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
-    source = "by a linear pass, checked with the simulator"
+    source = "at once, checked with the simulator"
     if found.fitted is not None and found.check.agrees:
-        source = "by the fit, because a linear pass does not use drag and impulse from logs"
+        source = "by the fit, because a quick answer does not use drag and impulse from logs"
     elif found.fitted is not None:
-        source = "by the fit, because the answer of a linear pass failed its check"
+        source = "by the fit, because the quick answer failed its check"
     return (
         f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90% interval "
         f"{shown.lengths(apogee['p05'], apogee['p95'])}, "

@@ -8,6 +8,7 @@ import pytest
 from fieldkit.inference.history.check import Check
 from fieldkit.ledger import Ledger
 from fieldkit.physics.effect import effects, spoken
+from fieldkit.planning.quick_guide import QUICK_ERROR
 from fieldkit.services import quick_look
 from tests.commands import Run
 
@@ -90,7 +91,7 @@ def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fi
     line = run(*PREDICT, "--quick").out
     assert document["check"]["agrees"] is agrees
     assert document["evaluation"] == ("amortized" if agrees else "fit")
-    assert ("by a linear pass, checked with the simulator" in line) is agrees
+    assert ("at once, checked with the simulator" in line) is agrees
     (fit,) = run(*PREDICT, "--json").document["predictions"]
     assert (document["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=1e-3)) is not agrees
 
@@ -108,7 +109,7 @@ def test_the_quick_motor_guide_lists_the_motors_of_the_guide_and_refuses_what_it
     offs = [abs(one["apogee_m"]["p50"] - 200) for one, slow in zip(quick["motors"], weak, strict=True) if not slow]
     assert offs == sorted(offs)
     out = " ".join(run(*guide, "--quick").out.split())
-    assert "Not checked by the fit" in out
+    assert QUICK_ERROR in out
     assert f"{quick['motors'][0]['motor']} * {quick['motors'][0]['apogee_m']['p50']:.0f}" in out
     for option in (["--all"], ["--season", "2026"]):
         assert "found --quick with" in run(*guide, "--quick", *option, status=2).err
@@ -124,4 +125,4 @@ def test_drag_from_a_log_is_left_to_the_fit(ledger: Path, run: Run, monkeypatch:
         book.edit(flight.flight_id, coast_drag=0.003, sd={"coast_drag": 1e-4}, source={"coast_drag": "accel"})
     (document,) = run(*PREDICT, "--quick", "--json").document["predictions"]
     assert document["evaluation"] == "fit"
-    assert "a linear pass does not use drag and impulse from logs" in run(*PREDICT, "--quick").out
+    assert "a quick answer does not use drag and impulse from logs" in run(*PREDICT, "--quick").out

@@ -110,7 +110,7 @@ def test_infer_gives_drag_and_thrust_for_every_flight(model: str, infer_command:
 def test_infer_uses_the_named_flights(infer_command: Run) -> None:
     lines = infer_command("3", "Astra/9").out.splitlines()
     assert [line.split()[0] for line in lines[:3]] == ["flight", "3", "9"]
-    assert lines[3].startswith("Provisional, by a linear pass"), "the fit has the final figures"
+    assert lines[3].startswith("Provisional, from each flight alone"), "the fit has the final figures"
     assert "33" in infer_command("33", status=1).err
 
 

@@ -11,8 +11,8 @@ from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
+from fieldkit.presentation import logged
 from fieldkit.rocket import Configuration
-from fieldkit.tui.flights import logged
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.next.intervals import IntervalBar, Intervals, bar
 from fieldkit.tui.setup import setup_card

@@ -792,7 +792,7 @@ async def test_quick_answers_are_shown_until_the_fit_replaces_them(file: Path, m
             await asyncio.sleep(0.01)
             if chosen.designation in text_of(pilot, "#title"):
                 break
-        assert "not yet checked by the fit" in text_of(pilot, "#safety")
+        assert "provisional: off by up to 10% either way" in text_of(pilot, "#safety")
         assert "≈" in pilot.app.screen.query_one(ForecastCard).text
         release.set()
         for _ in range(400):

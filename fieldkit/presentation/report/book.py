@@ -57,12 +57,12 @@ class FlightReport:
 
 
 def loop_words(found: Findings, system: str = "SI") -> list[str]:
-    """The verdict on a rocket, and the leave-one-out errors, in the units of a system."""
+    """The verdict on a rocket, and the mean miss of each flight forecast from the others, in the units of a system."""
     diagnosis, left, shown = found.diagnosis, found.left_out, ShownUnits(system)
     lines = [f"{found.rocket}: {diagnosis.effect}: {in_system(diagnosis.why, system)}."]
     before, after = left.before.score, left.after.score
-    error = f"Mean leave-one-out error {shown.length(before.mae, 1)}"
-    lines.append(error + (f", {shown.length(after.mae, 1)} with it." if diagnosis.effect != "none" else "."))
+    error = f"Each flight, forecast from the others, misses by {shown.length(before.mae, 1)} on average"
+    lines.append(error + (f", by {shown.length(after.mae, 1)} with it." if diagnosis.effect != "none" else "."))
     if diagnosis.also:
         lines.append(f"These flights cannot distinguish it from {', '.join(diagnosis.also)}.")
     return lines

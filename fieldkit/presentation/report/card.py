@@ -12,7 +12,7 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress
-from fieldkit.quantities import ShownUnits, counted, measure
+from fieldkit.quantities import ShownUnits, counted, weighed
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.inferred import FlightInference, Inferred
@@ -171,7 +171,7 @@ def _record(flights: Sequence[Flight]) -> _FlownApogees:
 def _rows(flight: Flight, columns: Sequence[Column], system: str) -> CardRows:
     """The recorded numbers, in the units of a system."""
     values = ((column, flight.number(column.name)) for column in columns)
-    return tuple((column.title, measure(column, value, system)) for column, value in values if value is not None)
+    return tuple((column.title, weighed(column, value, system)) for column, value in values if value is not None)
 
 
 def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], CardRows]:

@@ -20,6 +20,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.event_names import event_title
 from fieldkit.flight.short_name import flight_label
+from fieldkit.presentation import logged
 from fieldkit.presentation.kml import check_track, track_file
 from fieldkit.quantities import in_system, measure, number, with_sd
 from fieldkit.safe_text import printable
@@ -28,7 +29,6 @@ from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_f
 from fieldkit.services.plausible_flights import exclusion, used_except
 from fieldkit.services.replay import track_of
 from fieldkit.tui.asking import or_why
-from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_drag, draw_trace, drawn
 from fieldkit.tui.flights.log_view import LogLook, LogView, look_at_flight

@@ -19,12 +19,12 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.presentation import logged
 from fieldkit.presentation.one_off_text import why
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.inferred import FlightInference, Inferred
 from fieldkit.tui.asking import or_why
-from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.flight_rows import FlightRow, Shown, columns, headings, read_rows, same_build, scale_of
 from fieldkit.tui.flights.flight_screen import FlightScreen

@@ -15,12 +15,12 @@ from fieldkit.importing.manual_entry import read_changes
 from fieldkit.importing.recognize import check_format
 from fieldkit.openrocket import MAX_UNPACKED_SIZE, Design, read_design
 from fieldkit.paths import expanded
+from fieldkit.presentation import logged
 from fieldkit.quantities import counted, in_system, measure
 from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
 from fieldkit.services.imports import ReadAs, Receipt, gather, read_as, read_file, take_in
 from fieldkit.services.weather import NamedWeather
-from fieldkit.tui.flights import logged
 from fieldkit.tui.imports.weather_file import weather_of_file
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards

@@ -24,7 +24,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found, Motor
 from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
-from fieldkit.planning.quick_guide import QuickChoice, quick_guide
+from fieldkit.planning.quick_guide import QUICK_ERROR, QuickChoice, quick_guide
 from fieldkit.quantities import shown_unit
 from fieldkit.safe_text import printable
 from fieldkit.services.forecasts import predict_plans
@@ -61,7 +61,8 @@ NEXT_HELP = Help(
         ("◆ ! ✗", "Before a motor: flown before, weak for this weight, not possible."),
         (
             "≈ apogee",
-            "Not final: a provisional answer, then a fit with few simulations. The selected one is forecast in full.",
+            "Not final: a provisional answer, off by up to 10% either way (more if flights disagree), then a fit with "
+            "few simulations, off by up to 3% (in wind 7%). The selected one is forecast in full.",
         ),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
         ("eject", "Seconds from apogee to ejection, for the delay that the motor has; negative is before it."),
@@ -173,11 +174,11 @@ class ForecastCard(VerticalScroll):
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one(Big).show(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
-        self.query_one("#safety", Static).update(f"{motor_rows.PROVISIONAL} {next_words.QUICK}")
+        self.query_one("#safety", Static).update(f"{motor_rows.PROVISIONAL} {QUICK_ERROR}")
         self.query_one("#more", Static).update(cards.lines("", more, 9))
         self.query_one("#hill", Plot).show(None)
         self._show_thrust(one.motor)
-        self.text = cards.as_text(f"{title}: {middle} {text}", [("", next_words.QUICK), *more])
+        self.text = cards.as_text(f"{title}: {middle} {text}", [("", QUICK_ERROR), *more])
 
     def clear(self) -> None:
         """Clear the card: no motor, or no forecast yet."""

@@ -16,8 +16,6 @@ from fieldkit.tui.next import motor_rows
 from fieldkit.tui.next.next_plan import NextPlan
 from fieldkit.tui.widgets import cards
 
-QUICK = "provisional, not yet checked by the fit"
-"""What the card of a quick answer says instead of safety checks."""
 UNFOLD = "Press ! for every check"
 """How to see the checks that are folded."""
 KEYS_OF_COMMANDS = {

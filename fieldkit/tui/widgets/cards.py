@@ -7,9 +7,9 @@ from textual.content import Content
 
 from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
 from fieldkit.importing.manual_entry import answer_text
+from fieldkit.presentation import logged
 from fieldkit.quantities import measure
 from fieldkit.safe_text import printable
-from fieldkit.tui.flights import logged
 from fieldkit.tui.widgets.hanging import Hanging
 
 Pairs = Sequence[tuple[str, str]]

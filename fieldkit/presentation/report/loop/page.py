@@ -105,9 +105,9 @@ def _capitalized(sentence: str) -> str:
 def _figures(found: Findings, shown: ShownUnits) -> list[dict[str, str]]:
     before, after = found.left_out.before.score, found.left_out.after.score
     sure = f"{found.diagnosis.confidence:.0%}" if found.diagnosis.confidence < 0.995 else "over 99%"
-    figures = [{"value": shown.length(before.mae, 1), "what": "mean leave-one-out error, before"}]
+    figures = [{"value": shown.length(before.mae, 1), "what": "mean miss, each flight forecast from the others"}]
     if found.diagnosis.effect != "none":
-        figures.append({"value": shown.length(after.mae, 1), "what": "after"})
+        figures.append({"value": shown.length(after.mae, 1), "what": "with it"})
     return [*figures, {"value": sure, "what": "probability, given what was tried"}]
 
 

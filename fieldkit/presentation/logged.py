@@ -6,12 +6,14 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import READOUTS, TWO_DEVICES, Column, Flight
 from fieldkit.importing.incoming import OTHER_LOGS
-from fieldkit.quantities import measure, spelled, unit_of, with_sd
+from fieldkit.quantities import ShownUnits, measure, spelled, unit_of, weighed, with_sd
 
 TIME_TO_APOGEE = ("time_to_apogee_s", "time_to_apogee_sd_s")
 """Extra columns: the time to apogee, and its standard deviation. [s]"""
 SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g": "g"}
 """Suffixes of extra columns that are units, in their printed form."""
+LENGTHS = {"_m": 1.0, "_ft": units.FOOT}
+"""Suffixes of lengths, and their units. [m]"""
 
 
 def readout(flight: Flight, column: Column, system: str) -> str:
@@ -22,7 +24,7 @@ def readout(flight: Flight, column: Column, system: str) -> str:
 def _with_sd(column: Column, value: float | None, sd: float | None, system: str) -> str:
     """A value and its standard deviation [SI] in the user's units."""
     if value is None or sd is None:
-        return measure(column, value, system)
+        return weighed(column, value, system)
     unit = unit_of(column, system)
     spread = units.unit(column.quantity, unit).difference_from_si(sd)
     return f"{with_sd(units.unit(column.quantity, unit).from_si(value), spread)} {spelled(unit)}"
@@ -47,7 +49,7 @@ def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
         lines.append(("Time to apogee", f"{time if value is None or sd is None else with_sd(value, sd)} s"))
     if others := left.pop(OTHER_LOGS, ""):
         lines.append(("Other logs of it", str(len(others.split()))))
-    return lines + [_worded(name, text) for name, text in left.items()]
+    return lines + [_worded(name, text, ShownUnits(system)) for name, text in left.items()]
 
 
 def _stated(column: Column, text: str, system: str) -> str:
@@ -67,11 +69,17 @@ def _of_device(column: Column, text: str, spread: str, system: str) -> str:
         return text
 
 
-def _worded(name: str, text: str) -> tuple[str, str]:
-    """A column's name as words, its unit after the value."""
-    suffix = next((one for one in SUFFIXES if name.endswith(one) and _figure(text) is not None), "")
+def _worded(name: str, text: str, shown: ShownUnits) -> tuple[str, str]:
+    """A column's name as words, and a figure with the unit of its suffix: lengths and speeds in the user's."""
+    value = _figure(text)
+    suffix = next((one for one in SUFFIXES if name.endswith(one) and value is not None), "")
     words = name.removesuffix(suffix).replace("_", " ").strip()
-    return words[:1].upper() + words[1:], f"{text} {SUFFIXES[suffix]}" if suffix else text
+    title = words[:1].upper() + words[1:]
+    if value is None or not suffix:
+        return title, text
+    if suffix in LENGTHS:
+        return title, shown.length(value * LENGTHS[suffix], 1)
+    return title, shown.speed(value) if suffix == "_mps" else f"{text} {SUFFIXES[suffix]}"
 
 
 def _figure(text: str) -> float | None:
