@@ -32,6 +32,7 @@ from fieldkit.presentation.planning_text import BREEZE, IN_A_BREEZE, OFF_VERTICA
 from fieldkit.units import STANDARD_GRAVITY
 from tests.commands import Run
 from tools.motors import falling
+from tools.strings import texts
 
 FAST, SLOW, LIGHT = ("F24-4W", 322, 66), ("A8-3", 40, 25), ("C6-5", 60, 25)
 STAGED = (("C6-5/C6-0", 60, 25, "--booster-mass", "30g"), ("F24-7W/E28-0", 322, 66, "--booster-mass", "150g"))
@@ -198,3 +199,21 @@ def test_quick_figures_and_the_guide_are_off_by_at_most_the_stated_part(run: Run
     for level, stated in (("p50", 0.03), ("p05", 0.12), ("p95", 0.12)):
         beside = [abs(one["apogee_m"][level] / whole[level] - 1) for one, whole in zip(listed, flown, strict=True)]
         assert 0.5 * stated < max(beside) < stated
+
+
+VAGUE = re.compile(
+    r"\b(slightly|somewhat|marginally|approximately|optimistic|pessimistic|conservative|a bit (high|low|wide|narrow))\b"
+)
+"""Words that speak of an error without its size."""
+
+
+def test_pages_and_messages_state_the_size_of_an_error_in_figures() -> None:
+    """So do those that call an answer provisional, in the same paragraph or by a link to its page."""
+    pages = [page.read_text(encoding="utf-8") for page in sorted((Path(__file__).parents[1] / "docs").glob("*.md"))]
+    shown = [part for page in pages for part in re.split(r"```\w*\n.*?```|\n\n|\n- ", page, flags=re.DOTALL)]
+    shown += [text for _, _, text in texts(("fieldkit", "parsers"))]
+    assert len(shown) > 5000
+    assert [text for text in shown if VAGUE.search(text)] == []
+    provisional = [text for text in shown if re.search(r"\bprovisional\b", text, re.IGNORECASE)]
+    assert len(provisional) > 5
+    assert [text for text in provisional if not re.search(r"\d%|a tenth|\(quick-answers\.md\)", text)] == []

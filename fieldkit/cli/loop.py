@@ -40,7 +40,11 @@ def loop(
     ] = False,
     quick: Annotated[
         bool,
-        typer.Option("--quick", help="Provisional probabilities at once, without a search; do not change the model."),
+        typer.Option(
+            "--quick",
+            help="Provisional probabilities at once, which do not change the model; in 21% of simulated seasons the "
+            "search has another verdict, mostly a name.",
+        ),
     ] = False,
     fleet: Annotated[
         bool, typer.Option("--fleet", help="Look at all rockets: a motor type or lot, a day, a site, an altimeter.")

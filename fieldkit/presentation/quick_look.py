@@ -54,7 +54,8 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
 def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     """Probabilities in descending order, and the verdict, in the units of a system."""
     chances = found.probabilities
-    yield f"{found.rocket}: {counted(found.flights, 'normal flight')}, provisional, by a linear pass; nothing is saved"
+    yield f"{found.rocket}: {counted(found.flights, 'normal flight')}; nothing is saved"
+    yield "  provisional: in 21% of simulated seasons the full search has another verdict, mostly a name"
     missed = ShownUnits(system).length(found.before.mae, 1)
     yield f"  mean miss without a correction, each flight forecast from the others: {missed}"
     yield ""
