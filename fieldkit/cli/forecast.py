@@ -67,7 +67,7 @@ def predict(
         bool,
         typer.Option(
             "--quick",
-            help="At once, from one linear pass if a check confirms it; not saved, and without safety checks.",
+            help="At once, if a check with the simulator confirms it; not saved, and without safety checks.",
         ),
     ] = False,
     json: AsJson = False,

@@ -130,8 +130,8 @@ def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     for spread in found.spreads:
         if spread.autocorrelation_p < 0.05:
             yield (
-                f"  {misses_of(spread.readout)} persist: lag-1 autocorrelation {spread.autocorrelation:+.2f} "
-                f"({_p_value(spread.autocorrelation_p)})"
+                f"  {misses_of(spread.readout)} persist: correlation with the flight before "
+                f"{spread.autocorrelation:+.2f} ({_p_value(spread.autocorrelation_p)})"
             )
     if significant:
         yield "  p is corrected for the number of columns tested."
@@ -274,7 +274,7 @@ def _fingerprints(found: Findings) -> Iterator[str]:
     names = [row.readout for row in found.spreads]
     yield f"  {'miss / expected scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
     yield f"  {'mean':24}" + "".join(_signed(row.bias) for row in found.spreads)
-    yield f"  {'lag-1 autocorrelation':24}" + "".join(_signed(row.autocorrelation) for row in found.spreads)
+    yield f"  {'with the flight before':24}" + "".join(_signed(row.autocorrelation) for row in found.spreads)
     for trial, row in found.fingerprints:
         marks = {mark.readout: mark for mark in row}
         yield f"  {trial.candidate.effect + ' predicts':24}" + "".join(_signed(marks[n].expected) for n in names)

@@ -114,7 +114,7 @@ class Diagnosis:
         if not self.accepted or not (plain or self.after.mae > self.before.mae):
             return self.verdict.why
         use = ", so forecasts stay without a correction" if plain else ""
-        return f"{self.verdict.why}; held-out flights do not show it yet{use}: check again after more flights"
+        return f"{self.verdict.why}; flights left out do not show it yet{use}: check again after more flights"
 
     @property
     def also(self) -> tuple[str, ...]:

@@ -154,7 +154,7 @@ def _singles(
     for turn in range(MAX_SEARCHES):
 
         def report(fraction: float, turn: int = turn) -> None:
-            on_progress(f"{counted(count, 'candidate')}", (turn + fraction) / MAX_SEARCHES)
+            on_progress(f"{counted(count, 'possible cause')}", (turn + fraction) / MAX_SEARCHES)
 
         worthy, near = screened(families, plain), plain
         trials = try_all(model, data, worthy, near, on_progress=report)

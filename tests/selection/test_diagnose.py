@@ -182,4 +182,4 @@ def test_an_effect_not_confirmed_by_left_out_flights_is_reported_as_such(effect:
     model = rocket_model(history_of(flights, [found for _, found in flown]))
     diagnosis = diagnose(model, observe(model.history.using([True] * len(flights))), given=[effect])
     assert (diagnosis.after.mae < diagnosis.before.mae) is shown
-    assert ("held-out flights do not show it yet" in diagnosis.why) is not shown
+    assert ("flights left out do not show it yet" in diagnosis.why) is not shown
