@@ -7,10 +7,12 @@ time.
 """
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
+from importlib.metadata import version
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,8 @@ MAX_LOGS = 500
 _MAX_SIZE = 4 << 20
 """Size limit of a file with measurements. [byte]"""
 _CHECKSUM = sha256().digest_size
+_OWN_NAME = re.compile(r"[0-9a-f]{64}|\.[0-9a-f]{40}\.[0-9a-f]{16}\.new")
+"""Names of files with measurements, and of those that a killed process left; nothing else in the folder is touched."""
 _FORCE_SAMPLES = tuple(name for name in Forces.__slots__ if name not in ("window", "source"))
 """The samples of forces."""
 
@@ -96,10 +100,12 @@ def _file_of(ledger: Ledger, id: str) -> Path | None:
 
 @cache
 def _program() -> bytes:
-    """A digest of everything but the log that measurements depend on: fieldkit's code and tables, and numpy."""
+    """A digest of everything but the log that measurements depend on: fieldkit's code and tables, and
+    the libraries that calculate."""
     package = Path(__file__).parents[1]
     files = {*package.rglob("*.py"), *package.glob("data/*.toml"), *plugin_folder("parsers").rglob("*.py")}
-    parts = [np.__version__.encode(), *(read(one) for one in sorted(files))]
+    versions = [version(name).encode() for name in ("numpy", "scipy", "pandas")]
+    parts = [*versions, *(read(one) for one in sorted(files))]
     return sha256(b"".join(sha256(part).digest() for part in parts)).digest()
 
 
@@ -107,7 +113,7 @@ def _keep(file: Path, log: FlightLog) -> None:
     """Keep measurements, and drop the oldest of too many. Raises FieldkitError, OSError."""
     content = _written(log)
     replace(file, sha256(content).digest() + content)
-    dated = sorted((one.stat().st_mtime, one) for one in file.parent.iterdir())
+    dated = sorted((one.lstat().st_mtime, one) for one in file.parent.iterdir() if _OWN_NAME.fullmatch(one.name))
     for _, old in dated[:-MAX_LOGS]:
         old.unlink(missing_ok=True)
 

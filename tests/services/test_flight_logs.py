@@ -1,5 +1,6 @@
 """What a log shows is measured once, and again whenever anything that it depends on has changed."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -132,8 +133,30 @@ def test_the_oldest_of_too_many_are_dropped(ledger: Ledger, monkeypatch: pytest.
     monkeypatch.setattr(flight_logs, "MAX_LOGS", 1)
     shown(ledger)
     bring_in(ledger, [TWO_FLIGHTS], any_motor)
+    letter = data_file("measured") / "letter.txt"
+    letter.write_text("of somebody whose folder a link made ours")
+    os.utime(letter, (0, 0))
     flight_logs.flight_logs(ledger, ledger.flights())
-    assert len(list(data_file("measured").iterdir())) == 1
+    assert len(list(data_file("measured").iterdir())) == 2
+    assert letter.exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes and links of Unix")
+@pytest.mark.parametrize("what", ["a folder", "a pipe", "a link to itself", "a link to an endless device"])
+def test_whatever_has_the_name_of_measurements_is_not_waited_for(
+    what: str, ledger: Ledger, measured: list[str]
+) -> None:
+    first = shown(ledger)
+    (file,) = data_file("measured").iterdir()
+    file.unlink()
+    if what == "a pipe":
+        os.mkfifo(file)
+    elif what == "a folder":
+        file.mkdir()
+    else:
+        file.symlink_to(file if "itself" in what else "/dev/zero")
+    assert the_same(first, shown(ledger))
+    assert len(measured) == 2
 
 
 def test_a_folder_that_cannot_be_written_changes_nothing(ledger: Ledger, measured: list[str]) -> None:
