@@ -60,6 +60,8 @@ from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows
 from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
 
+MAX_COLUMNS = 500
+"""Largest number of columns; fieldkit writes fewer than a hundred. [1]"""
 OF_SIMULATIONS = ("velocity off rod", "optimum delay", "ground hit velocity", "velocity at deployment")
 """Columns of OpenRocket's table of the simulations of a design."""
 READOUT_NAMES = frozenset(column.name for column in READOUTS)
@@ -100,6 +102,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     Raises DamagedLog.
     """
     text = decode_whole(log)
+    _check_columns(text)
     _refuse_simulations(first_row(text, _separator(text))[1])
     choice = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)])
     separator = _separator(text) if choice is None else _widest(text)
@@ -154,6 +157,12 @@ def _refuse_simulations(names: Sequence[str]) -> None:
             f"found a table of simulations, with {shown(computed[0])} and {shown(computed[1])}, expected flown flights",
             row=1,
         )
+
+
+def _check_columns(text: str) -> None:
+    """Raise DamagedLog for a table of more columns than are read: each is compared with the others."""
+    if (columns := len(first_row(text, _widest(text))[1])) > MAX_COLUMNS:
+        raise DamagedLog(f"found {counted(columns, 'column')} in a table of flights, expected at most {MAX_COLUMNS}")
 
 
 def _widest(text: str) -> str:

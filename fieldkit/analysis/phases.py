@@ -190,7 +190,7 @@ def _slope(time: Float[Array, "_"], height: Float[Array, "_"], window: float) ->
     """Speed over the samples of a window to either side [s], at least one. [m/s]"""
     places, reach = np.arange(time.size), np.empty(time.size, np.int64)
     for part, step in stretches(time):
-        reach[part] = max(1, round(window / step))
+        reach[part] = max(1, round(min(window / step, time.size)))
     before, after = np.maximum(places - reach, 0), np.minimum(places + reach, time.size - 1)
     return np.asarray((height[after] - height[before]) / np.maximum(time[after] - time[before], 1e-9))
 

@@ -17,7 +17,7 @@ from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.nmea import fixes_table
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
-from fieldkit.importing.tables.text import in_other_encodings, shown
+from fieldkit.importing.tables.text import MAX_TABLE_SIZE, in_other_encodings, shown
 from fieldkit.importing.tables.tracks import track_table
 from fieldkit.importing.tables.wrapped_lines import unstamped, unwrapped
 from fieldkit.importing.weather import is_weather
@@ -139,6 +139,8 @@ def _hint(log: bytes) -> str:
     start = log[:HEAD]
     if is_weather(start):
         return "; it is saved weather, which `fieldkit weather FILE` fills in"
+    if len(log) > MAX_TABLE_SIZE:
+        return f"; tracks, JSON and labeled lines of more than {MAX_TABLE_SIZE >> 20} MB are not read: cut it"
     if start.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"<"):
         return "; it is XML, such as a track for maps; export a table (CSV) instead"
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):

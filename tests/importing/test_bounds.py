@@ -221,3 +221,60 @@ def test_an_extremely_nested_or_wide_log_is_read_or_refused(what: str) -> None:
         read(DEEP[what], "wide.csv", lambda name: None)
     assert time.monotonic() - began < 20
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 600 * 1024
+
+
+FEW = b"time (s),altitude (m)\n" + b"".join(b"%.1f,%d\n" % (n / 10, n) for n in range(100))
+LABELED = b"".join(b"t=%d.0 alt=%d.0\n" % (n, n) for n in range(80))
+DENSE = {
+    "json of empty objects": b'{"a":[' + b"{}," * 1_700_000 + b"{}]}",
+    "json of short rows": b'{"columns":["time_s","altitude_m"],"data":[' + b"[1,2]," * 800_000 + b"[1,2]]}",
+    "lines in quotation marks": b'"1,2"\n' * 800_000,
+    "one line in quotation marks": b'"1,2"\n' * 80 + b'"' + b'""' * 2_500_000 + b"x",
+    "cited lines": b"> 1,2\n" * 800_000,
+    "labeled lines": LABELED + b"t=1 alt=2\n" * 300_000,
+    "commas": FEW + b"," * 4_200_000,
+    "lines of one quotation mark": FEW + b'"\n' * 1_000_000,
+}
+"""Texts of a few bytes for each thing that a reader makes of them."""
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("what", DENSE)
+def test_many_short_things_take_little_memory_and_time(what: str) -> None:
+    began = time.process_time()
+    tracemalloc.start()
+    try:
+        with contextlib.suppress(FieldkitError):
+            read(DENSE[what], "dense.csv", lambda name: None)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 12 * len(DENSE[what]) + (30 << 20)
+    assert time.process_time() - began < 30
+
+
+@pytest.mark.parametrize("place", ['"n\\ud800": [{0}]', '"n": [{0}, "\\udcff"]'])
+def test_half_a_pair_of_surrogates_in_json_is_shown_as_such(place: str) -> None:
+    numbers = ",".join(map(str, range(20)))
+    text = f'{{"time_s": [{numbers},20], "altitude_m": [{numbers},20], {place.format(numbers)}}}'
+    assert read(text.encode(), "x.json", lambda name: None).format == "mapped_table"
+
+
+@pytest.mark.parametrize("step", ["e-300", "e-30", "e-9", "e11"])
+def test_a_clock_of_any_step_is_of_a_flight_or_refused(step: str) -> None:
+    rows = "".join(f"{n}{step},{min(n, 100 - n)}\n" for n in range(100))
+    found = read(f"time (s),altitude (m)\n{rows}".encode(), "x.csv", lambda name: None)
+    assert not found.flights
+    assert found.rejected
+
+
+def test_the_columns_of_a_table_of_flights_are_counted() -> None:
+    names = "".join(f",x{n}" for n in range(500))
+    with pytest.raises(DamagedLog, match="found 503 columns in a table of flights, expected at most 500"):
+        read(f"flight_id,motor,apogee_m{names}\n1,F24-4W,100\n".encode(), "x.csv", lambda name: None)
+
+
+def test_a_text_too_large_to_convert_is_refused_with_the_limit() -> None:
+    text = LABELED + b"t=1 alt=2\n" * (3 << 20) + b"t=1 alt=2\n" * (1 << 18)
+    with pytest.raises(FieldkitError, match="more than 32 MB are not read"):
+        read(text, "x.txt", lambda name: None)

@@ -9,9 +9,10 @@ time since the start, in front of each line; it is the clock if no label is.
 import io
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from fieldkit.importing.tables.headings import QUANTITIES, channel, heading, unit_named
-from fieldkit.importing.tables.text import blocks, first_lines
+from fieldkit.importing.tables.text import MAX_TABLE_SIZE, blocks, first_lines
 
 _PAIR = re.compile(
     r"([^\W\d_][\w .()/°²%\[\]-]{0,30}?)[\"']?[ \t]{0,3}[:=][ \t]{0,5}[\"']?"
@@ -34,8 +35,8 @@ _MIN_RECORDS, _LOOKED_AT = 10, 60
 """Fewest records that form a table, and the number of first lines that show whether there are any. [1]"""
 _MIN_LABELED = 0.5
 """Smallest fraction of these lines that have a label, and of the records that have a time. [1]"""
-_MAX_SIZE, _HEAD_SIZE, _MAX_LABELS = 32 << 20, 65_536, 60
-"""Largest size of such a text, and size of its beginning, which has all labels [bytes]; most labels [1]."""
+_HEAD_SIZE, _MAX_LABELS = 65_536, 60
+"""Size of the beginning, which has all labels [bytes], and most labels [1]."""
 
 _Record = Mapping[str, str]
 
@@ -43,7 +44,7 @@ _Record = Mapping[str, str]
 def labeled_table(log: bytes) -> bytes | None:
     """The labeled values of a text as CSV, a header and a row for each record; None if the text has too few, or
     is too large."""
-    if len(log) > _MAX_SIZE or not _is_labeled(first_lines(log, most=_LOOKED_AT)):
+    if len(log) > MAX_TABLE_SIZE or not _is_labeled(first_lines(log, most=_LOOKED_AT)):
         return None
     units: dict[str, str] = {}
     head = log[:_HEAD_SIZE]
@@ -108,5 +109,6 @@ def _stamp(line: str) -> tuple[int, tuple[str, str] | None]:
     return 0, None
 
 
+@lru_cache(maxsize=1024)
 def _is_unit(text: str) -> bool:
     return bool(text) and any(unit_named(quantity, text) is not None for quantity in set(QUANTITIES.values()))

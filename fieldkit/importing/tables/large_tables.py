@@ -64,13 +64,13 @@ def plain_numbers(
     widths: Collection[int] | None,
 ) -> Float[Array, "row channel"] | None:
     """The numbers of a block with this number of line ends, one row per line, in the units of their columns; None if it
-    contains anything else."""
+    contains anything else, or a line longer than a block, whose empty cells would each take memory."""
     import pandas  # takes 0.17 s to import
 
     content = bytes(block)
     lines = ends + (not content.endswith(b"\n"))
     needed = [place for place, channel in enumerate(channels) if channel.needed]
-    if not needed or b"\0" in content or b'"' in content:
+    if not needed or len(content) > BLOCK or b"\0" in content or b'"' in content:
         return None
     if widths is not None and not _has_width(content, lines, separator, widths):
         return None

@@ -10,12 +10,9 @@ import html
 import re
 from collections.abc import Iterator
 
-from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.sheet_xml import Budget, SheetWriter, Text
 from fieldkit.importing.tables.text import decode_whole
 
-MAX_TABLES = 100
-"""Largest number of tables in a page. [1]"""
 _BEGINS = re.compile(
     rb"\s*(?:<\?[^>]{0,200}>\s*){0,4}<(?:!doctype html|html|head|meta|body|div|style|table|(?:ss:)?workbook)\b",
     re.IGNORECASE,
@@ -49,8 +46,6 @@ def sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
         after = tag.end()
         if kind == "table" and not closes:
             number += 1
-            if number > MAX_TABLES:
-                raise DamagedLog(f"found more than {MAX_TABLES} tables in a page, expected fewer")
             opened.append(_MarkupTable(f"table {number}", budget))
         elif kind == "table" and opened:
             yield opened[-1].name, opened.pop().content()

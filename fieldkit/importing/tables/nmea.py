@@ -7,6 +7,7 @@ dilution, and the height above sea level. Other sentences, and those with a wron
 Source: the description of GGA in the protocol specification of u-blox 8 receivers (UBX-13003221).
 """
 
+import io
 import re
 from functools import reduce
 from operator import xor
@@ -24,8 +25,12 @@ def fixes_table(log: bytes) -> bytes | None:
     if not any("GGA," in line[:200] for line in first_lines(log, most=_LOOKED_AT)):
         return None
     found = (_FIX.search(line[:1000]) for line in lines(narrow(log)))
-    rows = [row for row in map(_row, filter(None, found)) if row]
-    return b"\n".join((_HEADER, *rows, b"")) if len(rows) >= _MIN_FIXES else None
+    table, count = io.BytesIO(), 0
+    table.write(_HEADER)
+    for row in filter(None, map(_row, filter(None, found))):
+        table.write(b"\n" + row)
+        count += 1
+    return table.getvalue() + b"\n" if count >= _MIN_FIXES else None
 
 
 def _row(fix: "re.Match[bytes]") -> bytes:

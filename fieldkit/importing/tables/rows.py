@@ -134,7 +134,7 @@ class Rows:
 
     def _quickly(self, rows: list[int], lines: list[str], coming: Iterator[str]) -> None:
         """Store the rows of lines in which every number is valid. Raises ValueError if one is not."""
-        if not lines:
+        if not any(line.strip('" \t') for line in lines):  # numpy would warn
             return
         converters: dict[int | str, Callable[[str], float]] = {
             c.place: converter(c) for c in self.channels if not c.is_plain

@@ -16,6 +16,8 @@ from fieldkit.quantities import counted
 
 MAX_CELLS = 4_000_000
 """Largest number of cells in all sheets, from the first corner of each to its last used cell. [1]"""
+MAX_SHEETS = 1000
+"""Largest number of sheets, each of which every parser is asked about. [1]"""
 MAX_TEXT = 32 << 20
 """Largest number of characters in all cells. [1]"""
 MAX_CELL_TEXT = 100_000
@@ -35,7 +37,7 @@ class Budget:
     """What may still be read and written, over all parts and sheets of a spreadsheet."""
 
     def __init__(self) -> None:
-        self._elements = self._cells = self._text = 0
+        self._elements = self._cells = self._text = self._sheets = 0
 
     def element(self) -> None:
         """Count an element. Raises DamagedLog."""
@@ -48,6 +50,12 @@ class Budget:
         self._text += length
         if self._text > MAX_TEXT:
             raise DamagedLog(f"found more than {MAX_TEXT >> 20} million characters in a spreadsheet, expected fewer")
+
+    def another_sheet(self) -> None:
+        """Count a sheet that begins. Raises DamagedLog for too many."""
+        self._sheets += 1
+        if self._sheets > MAX_SHEETS:
+            raise DamagedLog(f"found more than {MAX_SHEETS} tables in a spreadsheet or a page, expected fewer")
 
     def sheet(self, rows: int, columns: int) -> None:
         """Check the size that a sheet is about to have, on top of the sheets before. Raises DamagedLog."""
@@ -140,9 +148,13 @@ class Text:
 
 
 class SheetWriter:
-    """A sheet written as CSV, row by row, all rows as wide as the widest; empty rows below the last are dropped."""
+    """A sheet written as CSV, row by row, all rows as wide as the widest; empty rows below the last are dropped.
+
+    Raises DamagedLog beyond the budget.
+    """
 
     def __init__(self, budget: Budget) -> None:
+        budget.another_sheet()
         self._budget = budget
         self._out = bytearray()
         self._ends, self._widths = array("Q"), array("L")

@@ -12,10 +12,10 @@ Specification for GNSS flight recorders.
 import re
 from collections.abc import Iterator
 
-from fieldkit.importing.tables.text import lines
+from fieldkit.importing.tables.text import MAX_TABLE_SIZE, lines
 
-_MIN_POINTS, _LOOKED_AT, _MAX_SIZE = 10, 65_536, 32 << 20
-"""Fewest points that form a table [1]; size of the beginning that shows the format, and largest size [bytes]."""
+_MIN_POINTS, _LOOKED_AT = 10, 65_536
+"""Fewest points that form a table [1], and size of the beginning that shows the format [bytes]."""
 _HEADER = b"time,latitude [deg],longitude [deg],gps altitude [m]"
 _IGC_HEADER = _HEADER + b",altitude above sea level [m]"
 _POINT, _END, _LONGEST_POINT = b"<trkpt", b"</trkpt>", 2300
@@ -34,7 +34,7 @@ _FIX = re.compile(rb"B(\d\d)(\d\d)(\d\d)(\d\d)(\d{5})([NS])(\d{3})(\d{5})([EW])[
 
 def track_table(log: bytes) -> bytes | None:
     """The points of a track as CSV, a row for each; None if it is no track or has too few points with a time."""
-    if len(log) > _MAX_SIZE:
+    if len(log) > MAX_TABLE_SIZE:
         return None
     start, header = log[:_LOOKED_AT], _HEADER
     if b"<gpx" in start:

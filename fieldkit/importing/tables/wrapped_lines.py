@@ -1,33 +1,34 @@
 """Lines that another program wrapped: `> ` or a time before each line, or each whole line in quotation marks."""
 
+import io
 import re
+from collections.abc import Callable
 
-from fieldkit.importing.tables.text import first_lines, narrow
+from fieldkit.importing.tables.text import MAX_TABLE_SIZE, first_lines, lines, narrow
 
-_LOOKED_AT, _MAX_LINE, _MAX_SIZE = 60, 4096, 32 << 20
-"""Number of first lines that show a wrapping [1], what is looked at of each [character], and the largest size of a text
-that is unwrapped [byte]."""
+_LOOKED_AT, _MAX_LINE = 60, 4096
+"""Number of first lines that show a wrapping [1], and what is looked at of each [character]."""
 _CITED, _QUOTED = re.compile(r"[ \t]{0,8}>"), re.compile(r'"(?:[^"]|"")*"[,; \t\r]*')
-_CITATION = re.compile(rb"^[ \t]{0,8}>[ \t]?", re.MULTILINE)
-_STAMPED = (
-    rb"(?:[ \t]{0,8}\[?(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,6})?)(?:\]|[ \t]*->)"
+_CITATION = re.compile(rb"^[ \t]{0,8}>[ \t]?")
+_STAMPED = re.compile(
+    rb"^(?:[ \t]{0,8}\[?(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,6})?)(?:\]|[ \t]*->)"
     rb"|(?:\x1b\[[\d;]{0,8}m)?[EWIDV] \((\d{1,12})\) [^\s:]{1,40}:)[ \t]?"
 )
 """The time of day that the monitor of the Arduino IDE or a terminal puts before each line, or the milliseconds of the
 ESP32's logging library."""
-_QUOTATION = re.compile(rb'^"((?:[^"\r\n]|"")*)"[,; \t]*(?=\r?$)', re.MULTILINE)
+_QUOTATION = re.compile(rb'^"((?:[^"\r]|"")*+)"[,; \t]*(?=\r?$)')
 
 
 def unwrapped(log: bytes) -> bytes:
     """A log without what wraps each of its lines; unchanged if one of its first lines is not wrapped, or it is too
     large. Raises DamagedLog."""
     start = [line[:_MAX_LINE] for line in first_lines(log, most=_LOOKED_AT) if line.strip()]
-    if len(log) > _MAX_SIZE or len(start) < 2:
+    if len(log) > MAX_TABLE_SIZE or len(start) < 2:
         return log
     if all(map(_CITED.match, start)):
-        return _CITATION.sub(b"", narrow(log))
+        return _each_line(log, lambda line: _CITATION.sub(b"", line))
     if all(map(_QUOTED.fullmatch, start)):
-        return _QUOTATION.sub(lambda line: line[1].replace(b'""', b'"'), narrow(log))
+        return _each_line(log, lambda line: _QUOTATION.sub(lambda found: found[1].replace(b'""', b'"'), line))
     return log
 
 
@@ -35,10 +36,19 @@ def unstamped(log: bytes) -> tuple[bytes, bytes] | None:
     """A log without the time before each line, and with it as a first column; None if one of its first lines has no
     such time. Raises DamagedLog."""
     start = [line[:_MAX_LINE].encode() for line in first_lines(log, most=_LOOKED_AT) if line.strip()]
-    if len(log) > _MAX_SIZE or len(start) < 2 or not all(re.match(_STAMPED, line) for line in start):
+    if len(log) > MAX_TABLE_SIZE or len(start) < 2 or not all(map(_STAMPED.match, start)):
         return None
-    plain, stamps = narrow(log), re.compile(rb"^" + _STAMPED, re.MULTILINE)
     separator = max((b",", b";", b"\t"), key=start[-1].count)
-    counts = re.match(_STAMPED, start[-1])[2] is not None  # type: ignore[index]
-    _, _, others = stamps.sub(lambda line: (line[1] or line[2]) + separator, plain).partition(separator)
-    return stamps.sub(b"", plain), (b"time [ms]" if counts else b"time") + separator + others
+    counts = _STAMPED.match(start[-1])[2] is not None  # type: ignore[index]
+    timed = _each_line(log, lambda line: _STAMPED.sub(lambda found: (found[1] or found[2]) + separator, line))
+    _, _, others = timed.partition(separator)
+    plain = _each_line(log, lambda line: _STAMPED.sub(b"", line))
+    return plain, (b"time [ms]" if counts else b"time") + separator + others
+
+
+def _each_line(log: bytes, changed: Callable[[bytes], bytes]) -> bytes:
+    """A text with each line changed. Raises DamagedLog."""
+    out = io.BytesIO()
+    for line in lines(narrow(log)):
+        out.write(changed(line) + b"\n")
+    return out.getvalue()

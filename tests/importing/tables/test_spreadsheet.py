@@ -174,6 +174,9 @@ HOSTILE = {
         content=ODS.format('<table-row><table-cell><p><s o:c="2000000000"/></p></table-cell></table-row>')
     ),
     "an undefined entity before a table": archive(content=f"<d>&a;{ODS.format('')}</d>"),
+    "many sheets": archive(
+        content=f"<d>{'<table><table-row><table-cell><p>1</p></table-cell></table-row></table>' * 1001}</d>"
+    ),
     "a count of letters": archive(content=ODS.format('<table-row o:number-rows-repeated="x"/>')),
     "a repeated text": archive(
         content=ODS.format(
