@@ -19,8 +19,8 @@ THEMES = ("field", "sun", "night", "terminal")
 """Names of the color schemes of the app."""
 CERTIFICATIONS = (0, 1, 2, 3)
 """Levels of certification; 0 is none."""
-BIRTH = re.compile(r"(19|20)\d\d(-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01]))?")
-"""A year or a date of birth."""
+BIRTH = r"(19|20)\d\d(-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01]))?"
+"""The pattern of a year or a date of birth."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ def _flyer(saved: object) -> FlyerCard:
     box = [_boxed(one) for one in _list(card.get("box")) if isinstance(one, dict)]
     return FlyerCard(
         level if isinstance(level, int) and level in CERTIFICATIONS else None,
-        born if BIRTH.fullmatch(born) else None,
+        born if re.fullmatch(BIRTH, born) else None,
         tuple(lengths),
         tuple([one for one in box if one.motor and one.count > 0]),
     )

@@ -35,7 +35,7 @@ def read_card(name: str, text: str, unit: str = "m") -> object:
                 raise BadValue(f"found {text[:40]!r}, expected one of none, 1, 2, 3")
             return levels[text.strip().casefold().removeprefix("l")]
         case "born":
-            if text.strip() and not BIRTH.fullmatch(text.strip()):
+            if text.strip() and not re.fullmatch(BIRTH, text.strip()):
                 raise BadValue(f"found {text[:40]!r}, expected a year or a date such as 2009-05-31")
             return text.strip() or None
         case "rules":

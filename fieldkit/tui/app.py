@@ -89,14 +89,6 @@ class FieldkitApp(App[None]):
     ENABLE_COMMAND_PALETTE = True
     DEFAULT_MODE = "home"  # shown first, without an empty screen before it
     COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {finder}
-    CSS = """
-    CommandPalette { background: $backdrop; }
-    CommandPalette #--input { border: hkey $border-blurred; }
-    CommandPalette > Vertical { margin-top: 1; width: 96%; max-width: 120; }
-    CommandPalette SearchIcon { display: none; }
-    CommandPalette CommandInput, CommandPalette CommandInput:focus { border: none; padding: 0 2; height: 1; }
-    CommandPalette CommandList { text-wrap: nowrap; text-overflow: ellipsis; border-top: none; max-height: 80vh; }
-    """
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),

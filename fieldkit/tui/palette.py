@@ -19,6 +19,14 @@ PALETTE_HELP = Help(
 class Palette(CommandPalette):
     """Textual's palette moves in its list as soon as there are commands, which fails before the list is laid out."""
 
+    DEFAULT_CSS = """
+    Palette { background: $backdrop; }
+    Palette #--input { border: hkey $border-blurred; }
+    Palette > Vertical { margin-top: 1; width: 96%; max-width: 120; }
+    Palette SearchIcon { display: none; }
+    Palette CommandInput, Palette CommandInput:focus { border: none; padding: 0 2; height: 1; }
+    Palette CommandList { text-wrap: nowrap; text-overflow: ellipsis; border-top: none; max-height: 80vh; }
+    """
     BINDINGS: ClassVar[list[BindingType]] = [Binding("f1", "help", "Help", key_display="F1", priority=True)]
 
     def action_help(self) -> None:

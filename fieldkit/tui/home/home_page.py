@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import date, datetime
 from functools import cached_property, partial
-from threading import Event
+from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import events, on
@@ -75,19 +75,6 @@ class Choice(Static):
     async def on_click(self) -> None:
         """Do what the key does."""
         await self.run_action(f"app.press({self._key!r})")
-
-
-class Choices(Horizontal):
-    """The three choices."""
-
-    DEFAULT_CSS = """
-    Choices { height: 3; padding: 0 1; }
-    """
-
-    def compose(self) -> Iterable[Widget]:
-        """Side by side."""
-        for key, name, about in CHOICES:
-            yield Choice(key, name, about)
 
 
 APOGEE = BY_NAME["apogee"]
@@ -201,6 +188,8 @@ class LastCard(HomeCard):
         self.figure(title, number(APOGEE, apogee, system), words, interval, day)
 
 
+FIRST_READ = 0.03
+"""The longest wait for the latest flights before the first paint, so that it shows them. [s]"""
 PAINT_TIME, MAX_PAINT = 0.05, 1.0
 """Time to paint the first rows before the engine is imported, and the longest wait for that. [s]"""
 
@@ -240,6 +229,7 @@ class HomeScreen(PageScreen):
     ]
     HORIZONTAL_BREAKPOINTS = [*PageScreen.HORIZONTAL_BREAKPOINTS, (150, "-broad")]  # noqa: RUF012  # as Textual has it
     DEFAULT_CSS = """
+    HomeScreen #choices { height: 3; padding: 0 1; }
     HomeScreen #cards { height: 8; }
     HomeScreen.-narrow #cards { height: 14; layout: vertical; }
     HomeScreen.-tall #cards { height: 10; }
@@ -262,28 +252,37 @@ class HomeScreen(PageScreen):
         self._profiles: dict[str, tuple[Flight, str]] = {}
         self._beside: "Beside" = {}
         self._have_read = False
+        self._first: list[ListedFlight] | None = None
         self._painted = Event()
         self._timer: PadTimer | None = None
 
     def body(self) -> Iterable[Widget]:
         """The choices, the cards, the latest flights."""
-        yield Choices()
+        yield Horizontal(*(Choice(*one) for one in CHOICES), id="choices")
         with Horizontal(id="cards"):
             yield NextCard(id="next")
             yield LastCard(id="last")
-        yield Static("", id="share")
         with Horizontal(id="split"), Vertical(id="left"):
             yield Table(empty="reading the ledger ...")
-            yield RocketStrip()
 
     def on_mount(self) -> None:
-        """Focus the table."""
+        """Focus the table, and list the latest flights in it if they are read in a moment."""
         self.set_focus(self.query_one(Table))
+        if not self._have_read:
+            reading = Thread(target=self._read_first, daemon=True)
+            reading.start()
+            reading.join(FIRST_READ)
+            self._list(self._first or ())
+
+    def _read_first(self) -> None:
+        self._first = listed_at_once(self.resources.where)
 
     def reload(self) -> None:
         """Read the launch day; when the app opens, the flights appear before their forecasts."""
         if self._have_read:
             self.ask(self._read, self._have)
+        elif self._first is not None:
+            self._read_on()
         else:
             self.ask(partial(listed_at_once, self.resources.where), self._have_first)
 
@@ -292,8 +291,11 @@ class HomeScreen(PageScreen):
         self._show()
 
     def _have_first(self, latest: list[ListedFlight]) -> None:
-        if latest:
-            self._list(latest)
+        self._first = latest
+        self._show()
+        self._read_on()
+
+    def _read_on(self) -> None:
         self.set_timer(PAINT_TIME, self._painted.set)
         self.ask(self._read_when_painted, self._have, "overview")
 
@@ -357,8 +359,11 @@ class HomeScreen(PageScreen):
     def _show(self) -> None:
         """Show the launch day in the columns that fit."""
         if not self._have_read:
+            self._list(self._first or ())
             return
-
+        if not self.query("#share"):  # mounted here, since they delay the first rows
+            self.query_one("#body").mount(Static(id="share"), before="#split")
+            self.query_one("#left").mount(RocketStrip())
         system, table = self.resources.settings.units, self.query_one(Table)
         steps = self._view is None or not (self._view.flights or self._view.forecast)
         self.query_one("#cards").set_class(self._view is None, "-empty")
@@ -396,6 +401,8 @@ class HomeScreen(PageScreen):
     @on(Table.Moved)
     def _moved(self) -> None:
         """Show the flight under the cursor on a broad screen, and its rocket on a tall one."""
+        if not self._have_read:
+            return
         key = self.query_one(Table).current
         self._show_pane(key)
         listed = self._view.flights if self._view is not None and self.has_class("-tall") else ()
