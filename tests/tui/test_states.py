@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.color import Color
+from rich.style import Style
 
 from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.themes import THEMES
@@ -66,37 +67,29 @@ async def test_states_are_colored_in_a_table_and_not_under_its_cursor(
         assert len({segment.style.color for segment in table.render_line(cursor) if segment.style}) == 1
 
 
-class Sheet:
-    """Records what a drawing function draws."""
-
-    def __init__(self) -> None:
-        self.drawn: list[tuple[str, tuple[object, ...], dict[str, object]]] = []
-
-    def __getattr__(self, name: str) -> object:
-        return lambda *args, **named: self.drawn.append((name, args, named))
+INK = Ink(80, 12, (20, 28, 37), (238, 243, 248), (143, 208, 255), (255, 198, 109), (74, 93, 112))
 
 
 def test_a_density_is_filled_within_its_90_percent_and_marked_on_the_curve() -> None:
     draws = np.random.default_rng(1).normal(250.0, 20.0, 4000)
-    sheet, ink = Sheet(), Ink(80, 12, *"ptlmd")
-    draw_density(draws, lambda x: f"{x:g}", Marked("◎", 244.0), former=draws + 30)(sheet, ink)
-    (filled,) = [args for name, args, named in sheet.drawn if named.get("fillx")]
+    *drawn, axis, _ = draw_density(draws, lambda x: f"{x:g}", Marked("◎", 244.0), former=draws + 30)(None, INK).split()
+    assert len(drawn) == INK.height - 2
     low, high = np.quantile(draws, [0.05, 0.95])
-    assert min(filled[0]) >= low  # type: ignore[type-var]
-    assert max(filled[0]) <= high  # type: ignore[type-var]
-    (mark,) = [args for name, args, _ in sheet.drawn if name == "scatter"]
-    assert mark[0] == [244.0]
-    assert 0.8 < mark[1][0] < 1.0, "on the curve"  # type: ignore[index]
-    outlines = [args for name, args, named in sheet.drawn if name == "plot" and named.get("marker") == "braille"]
-    assert len(outlines) == 2, "tails, and the former forecast"
-    (ticks,) = [args[0] for name, args, _ in sheet.drawn if name == "xticks"]
-    assert all(float(tick) % 5 == 0 for tick in ticks)  # type: ignore[attr-defined]
+    first, last = draws.min(), draws.max() + 30
+    filled = [span for span in drawn[-1].spans if isinstance(span.style, Style) and span.style.reverse]
+    width = (max(span.end for span in filled) - min(span.start for span in filled)) / INK.width
+    assert width == pytest.approx((high - low) / (last - first), abs=0.1)
+    assert all(line.plain.count("│") == 1 for line in drawn[-8:]), "the median, unbroken"
+    (marked,) = [n for n, line in enumerate(drawn) if "◎" in line.plain]
+    assert marked <= 2, "on the curve"
+    dots = [column for line in drawn for column, sign in enumerate(line.plain) if sign > "⠀"]
+    assert max(dots) - min(dots) > 60, "tails, and the former forecast"
+    assert "┬" in axis.plain
 
 
 def test_values_below_a_density_are_round_in_the_unit_that_is_shown() -> None:
     draws = np.random.default_rng(1).normal(250.0, 20.0, 4000)
-    sheet, ink = Sheet(), Ink(80, 12, *"ptlmd")
-    draw_density(draws, lambda x: f"{x / 0.3048:.0f}", unit=0.3048)(sheet, ink)
-    (labels,) = [args[1] for name, args, _ in sheet.drawn if name == "xticks"]
-    assert labels
-    assert all(float(label) % 50 == 0 for label in labels)  # type: ignore[attr-defined]
+    drawing = draw_density(draws, lambda x: f"{x / 0.3048:.0f}", unit=0.3048)(None, INK)
+    labels = drawing.plain.splitlines()[-1].split()
+    assert len(labels) > 2
+    assert all(float(label) % 50 == 0 for label in labels)

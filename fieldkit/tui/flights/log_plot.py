@@ -102,12 +102,12 @@ def drawn(ledger: Ledger, id: str, system: str) -> Drawn | str:
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
     """Draw a channel against the time of the whole log, with a line at each event and its name below, and round times
     where there is room."""
-    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
     first, last = span
     inside = {name: time for name, time in events.items() if first <= time <= last}
     low, high = min(trace.values), max(trace.values)
     for time in inside.values():
         plt.plot([time, time], [low, high], marker="│", color=ink.mark)
+    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)  # over the lines, so that it is unbroken
     ends = {f"T+{last:.0f} s": last}
     named = sorted((time, event_title(name)) for name, time in {**inside, **ends}.items())
     seconds = [(time, f"{time:g}") for time in round_ticks(first, last, ink.width // 12)]

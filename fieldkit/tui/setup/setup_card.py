@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import sqrt
+from math import ceil, sqrt
 from typing import Any
 
 from textual.containers import VerticalScroll
@@ -30,7 +30,7 @@ from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
-from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
+from fieldkit.tui.widgets.plots import EIGHTHS, Plot, round_ticks, spaced
 from fieldkit.tui.widgets.states import STATES
 
 SKETCHED_FINENESS = 12.0
@@ -38,40 +38,51 @@ SKETCHED_FINENESS = 12.0
 NOSE_CALIBERS, FIN_CALIBERS, SPAN_CALIBERS = 3.0, 1.3, 0.9
 """Lengths of a sketched nose, fin root and fin span, in diameters. [1]"""
 MIN_RADIUS = 1.0
-"""Minimum half height of the drawn body. [pixel]"""
-POINT = 0.51
-"""Half height of the tip of the nose: one pixel on each side of the axis. [pixel]"""
-CELLS = {(False, False): " ", (True, False): "▀", (False, True): "▄", (True, True): "█"}
-"""Characters with two pixels above each other."""
+"""Minimum half height of the drawn body. [cell width]"""
+POINT = 0.5
+"""Half height of the tip of the nose. [cell width]"""
 
 
-def drawing(length: float | None, diameter: float, width: int) -> list[str]:
-    """The lines of a drawing of a rocket with a length and a diameter [m], `width` cells wide. A pixel is one cell wide
-    and half a cell high, which is about square."""
-    calibers = length / diameter if length else SKETCHED_FINENESS
-    radius = max(MIN_RADIUS, width / calibers / 2)
-    pixel = 2 * radius
-    span = SPAN_CALIBERS * pixel
-    half = round(radius + span)
-    heights = [_half_height(x, width, radius, pixel, span) for x in range(width)]
-    rows = range(-half - half % 2, half + half % 2, 2)
-    return [
-        line for y in rows if (line := "".join(CELLS[_inside(y, top), _inside(y + 1, top)] for top in heights).rstrip())
-    ]
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A rocket from the side: half height of its body, lengths of nose and fins, and half heights of all from tail to
+    tip; a cell is as high as two are wide. [cell width]"""
+
+    radius: float
+    nose: float
+    fins: float
+    heights: tuple[float, ...]
 
 
-def _inside(y: int, top: float) -> bool:
-    """Whether the middle of a pixel lies within a half height about the axis."""
-    return abs(y + 0.5) < top
+def shape(length: float | None, diameter: float, width: int) -> Shape:
+    """A rocket with a length and a diameter [m], `width` cells long: body, elliptic nose, swept fins."""
+    radius = max(MIN_RADIUS, width / (length / diameter if length else SKETCHED_FINENESS) / 2)
+    nose, fins = min(2 * NOSE_CALIBERS * radius, width / 2), min(2 * FIN_CALIBERS * radius, width / 3)
+    heights = []
+    for x in range(width):
+        from_tip, fin = (width - x - 0.5) / nose, 1 - (x + 0.5) / fins
+        body = radius * sqrt(1 - max(0.0, 1 - from_tip) ** 2)
+        heights.append(max(body, POINT, radius + 2 * SPAN_CALIBERS * radius * fin**0.7 if fin > 0 else 0.0))
+    return Shape(radius, nose, fins, tuple(heights))
 
 
-def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -> float:
-    """Half height of a rocket at a distance from its tail: body, elliptic nose, swept fins. [pixel]"""
-    nose, fins = min(NOSE_CALIBERS * pixel, width / 2), min(FIN_CALIBERS * pixel, width / 3)
-    from_tip = width - x - 0.5
-    body = radius * sqrt(max(0.0, 1 - (1 - from_tip / nose) ** 2)) if from_tip < nose else radius
-    fin = radius + span * (1 - (x + 0.5) / fins) ** 0.7 if x + 0.5 < fins else 0.0
-    return max(body, fin, POINT)
+def drawing(length: float | None, diameter: float, width: int) -> list[Content]:
+    """The lines of a drawing of a rocket with a length and a diameter [m], `width` cells wide, its edges in eighths of
+    a cell, nose and fins in another color than the body."""
+    rocket = shape(length, diameter, width)
+    rows = ceil(max(rocket.heights) / 2)
+    above, below = [], []
+    for row in range(rows):
+        upper, lower = [], []
+        for x, height in enumerate(rocket.heights):
+            level = max(0, min(8, round(4 * height) - 8 * row))
+            fin = x < rocket.fins and 2 * row + 1 > rocket.radius
+            ink = "$accent" if fin or x >= width - rocket.nose else "$primary"
+            upper.append((EIGHTHS[level % 8], f"{ink} reverse" if level == 8 else ink))
+            lower.append((EIGHTHS[-level % 8], f"{ink} reverse" if level else ink))
+        above.append(Content.assemble(*upper))
+        below.append(Content.assemble(*lower))
+    return [*reversed(above), *below]
 
 
 def centers(cg: float, cp: float, width: int) -> str:
@@ -189,11 +200,11 @@ def _stability(design: Configuration) -> str:
 def _side_view(diameter: float, design: Configuration | None) -> Hanging:
     """The rocket from the side with its centers of gravity and of pressure, and which parts are sketched."""
     length = design.length if design is not None else None
-    lines = drawing(length, diameter, DRAWING_WIDTH)
+    below = [caption(length)]
     if design is not None and length and design.cg is not None and design.cp is not None:
-        lines.append(centers(design.cg / length, design.cp / length, DRAWING_WIDTH))
-    lines.append(caption(length))
-    return Hanging(tuple((0, Content(line)) for line in lines if line))
+        below.insert(0, centers(design.cg / length, design.cp / length, DRAWING_WIDTH))
+    lines = drawing(length, diameter, DRAWING_WIDTH) + [Content(line) for line in below if line]
+    return Hanging(tuple((0, line) for line in lines))
 
 
 def of_site(place: LaunchSite, system: str) -> Facts:

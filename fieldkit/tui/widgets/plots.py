@@ -2,12 +2,13 @@
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from rich.style import Style
 from rich.text import Text
 from textual.app import RenderResult
 from textual.color import Color
@@ -45,10 +46,11 @@ class Plot(PlotextPlot):
 
     def __init__(self, **rest: Any) -> None:
         super().__init__(**rest)
-        self._draw: Callable[[Any, Ink], None] | None = None
+        self._draw: Callable[[Any, Ink], Text | None] | None = None
 
-    def show(self, draw: Callable[[Any, Ink], None] | None) -> None:
-        """Set the drawing function, called with plotext and the colors; None clears the plot."""
+    def show(self, draw: Callable[[Any, Ink], Text | None] | None) -> None:
+        """Set the drawing function, called with plotext and the colors, which draws with plotext or returns a drawing;
+        None clears the plot."""
         self._draw = draw
         self.refresh()
 
@@ -64,9 +66,9 @@ class Plot(PlotextPlot):
         for colour in (plt.canvas_color, plt.axes_color):
             colour(ink.paper)
         plt.ticks_color(ink.text)
-        self._draw(plt, ink)
+        drawn = self._draw(plt, ink)
         plt.plotsize(width, height)
-        return Text.from_ansi(plt.build())
+        return drawn or Text.from_ansi(plt.build())
 
     def _ink(self) -> Ink:
         names = self.app.theme_variables
@@ -161,36 +163,103 @@ def draw_density(
     former: Float[Array, "draw"] | None = None,
     ticks: Sequence[float] | None = None,
     unit: float = 1.0,
-) -> Callable[[Any, Ink], None]:
+) -> Callable[[Any, Ink], Text]:
     """Draws a density: filled within its 90% interval, the tails as a dim line, the median as an unbroken line, the
     `marks` on the curve, and the density of `former` draws as an outline. `number` formats the values below it: round
     multiples of the `unit`, or those at the `ticks`, where vertical lines are drawn."""
-    at, heights = density(values)
+    curve = density(values)
     before = density(former) if former is not None else ([], [])
     low, middle, high = np.nanquantile(values[np.isfinite(values)], [0.05, 0.5, 0.95]).tolist()
-    inside = [(x, y) for x, y in zip(at, heights, strict=True) if low <= x <= high]
+    tails = [y if x < low or x > high else math.nan for x, y in zip(*curve, strict=True)]
+    shown = [*curve[0], *before[0], *(mark.value for mark in marks), *(ticks or ())]
+    first, last = min(shown), max(shown)
 
-    def draw(plt: Any, ink: Ink) -> None:
-        plt.plot(at, heights, marker="braille", color=ink.dim)
-        if inside:
-            plt.plot(*zip(*inside, strict=True), marker="hd", fillx=True, color=ink.line)
+    def draw(_: Any, ink: Ink) -> Text:
+        sheet = Sheet(ink, first, last)
+        sheet.outline(curve[0], tails, ink.dim)
+        sheet.fill(*curve, low, high)
         if before[0]:
-            plt.plot(*before, marker="braille", color=ink.text)
+            sheet.outline(*before, ink.text)
         for place in ticks or ():
-            plt.plot([place, place], [0.0, 1.12], marker="│", color=ink.text)
-        plt.plot([middle, middle], [0.0, float(np.interp(middle, at, heights))], marker="┃", color=ink.mark)
+            sheet.line(place, sheet.rows, ink.text)
+        sheet.line(middle, sheet.cell(middle, *curve), ink.mark)
         for mark in marks:
-            plt.scatter([mark.value], [float(np.interp(mark.value, at, heights))], marker=mark.symbol, color=ink.mark)
-        plt.ylim(0, 1.15)
-        plt.yfrequency(0)
-        plt.yaxes(False, False)
-        plt.xaxes(True, False)
-        shown = [*at, *before[0], *(mark.value for mark in marks), *(ticks or ())]
-        first, last = min(shown), max(shown)
-        plt.xlim(first, last)
+            sheet.put(sheet.cell(mark.value, *curve), sheet.column(mark.value), mark.symbol, ink.mark)
         most = max(3, ink.width // TICK_WIDTH)
         below = [unit * one for one in round_ticks(first / unit, last / unit, most)] if ticks is None else ticks
-        labels = spaced([(place, number(place)) for place in below], first, last, ink.width)
-        plt.xticks(list(labels), list(labels.values()))
+        return sheet.text(spaced([(place, number(place)) for place in below], first, last, ink.width))
 
     return draw
+
+
+EIGHTHS = " ▁▂▃▄▅▆▇"
+"""Cells filled from below by so many eighths."""
+DOTS = ((0x40, 0x04, 0x02, 0x01), (0x80, 0x20, 0x10, 0x08))
+"""Bits of the dots of a braille character from bottom to top, in its left and its right half."""
+HEADROOM = 1.15
+"""Height of a drawing, over that of its highest curve. [1]"""
+
+
+class Sheet:
+    """Cells above an axis from `first` to `last`, to draw curves on whose heights are fractions of the highest one."""
+
+    def __init__(self, ink: Ink, first: float, last: float) -> None:
+        self.ink, self.rows = ink, ink.height - 2
+        self._first, self._span = first, max(last - first, 1e-9)
+        self._cells = [[(" ", Style())] * ink.width for _ in range(self.rows)]
+
+    def column(self, value: float) -> int:
+        """The column of a value."""
+        return min(int((value - self._first) / self._span * self.ink.width), self.ink.width - 1)
+
+    def cell(self, value: float, at: Sequence[float], heights: Sequence[float]) -> int:
+        """The row that the curve has reached at a value, from below."""
+        return min(int(np.interp(value, at, heights) * self.rows / HEADROOM), self.rows - 1)
+
+    def put(self, row: int, column: int, character: str, color: Any) -> None:
+        """Draw a character over what is there: within a filled cell as a gap of its shape."""
+        style = self._cells[row][column][1]
+        self._cells[row][column] = character, style if style.reverse else _inked(color)
+
+    def line(self, value: float, rows: int, color: Any) -> None:
+        """Draw a vertical line from the axis up to a row."""
+        for row in range(rows):
+            self.put(row, self.column(value), "│", color)
+
+    def fill(self, at: Sequence[float], heights: Sequence[float], low: float, high: float) -> None:
+        """Fill the area below a curve between two values."""
+        for column in range(self.column(low), self.column(high) + 1):
+            value = self._first + (column + 0.5) / self.ink.width * self._span
+            eighths = round(float(np.interp(value, at, heights)) * self.rows / HEADROOM * 8)
+            for row in range(eighths // 8):
+                self._cells[row][column] = " ", _inked(self.ink.line) + Style(reverse=True)
+            if eighths % 8:
+                self._cells[eighths // 8][column] = EIGHTHS[eighths % 8], _inked(self.ink.line)
+
+    def outline(self, at: Sequence[float], heights: Sequence[float], color: Any) -> None:
+        """Draw a curve as a line of dots, two across a cell and four up."""
+        places = self._first + (np.arange(2 * self.ink.width) + 0.5) / (2 * self.ink.width) * self._span
+        dots = np.interp(places, at, heights, left=np.nan, right=np.nan) * self.rows / HEADROOM * 4
+        bits: dict[tuple[int, int], int] = {}
+        for n in np.flatnonzero(np.isfinite(dots)).tolist():
+            top, before = int(dots[n]), int(dots[n - 1]) if n and np.isfinite(dots[n - 1]) else int(dots[n])
+            for dot in range(min(top, before + 1), max(top, before - 1) + 1):  # no gap where it is steep
+                place = dot // 4, n // 2
+                bits[place] = bits.get(place, 0) | DOTS[n % 2][dot % 4]
+        for (row, column), found in bits.items():
+            if self._cells[row][column][0] not in EIGHTHS[1:]:  # where both curves are about as high
+                self.put(row, column, chr(0x2800 + found), color)
+
+    def text(self, labels: Mapping[float, str]) -> Text:
+        """The drawing above its axis with labels."""
+        axis, below = ["─"] * self.ink.width, [" "] * self.ink.width
+        for value, label in labels.items():
+            axis[self.column(value)] = "┬"
+            start = max(0, min(self.column(value) - len(label) // 2, self.ink.width - len(label)))
+            below[start : start + len(label)] = label
+        drawn = [Text.assemble(*row) for row in reversed(self._cells)]
+        return Text("\n").join([*drawn, *(Text("".join(row), _inked(self.ink.text)) for row in (axis, below))])
+
+
+def _inked(color: Any) -> Style:
+    return Style() if color == "default" else Style(color=f"rgb({color[0]},{color[1]},{color[2]})")
