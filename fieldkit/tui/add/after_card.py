@@ -26,7 +26,7 @@ from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.plots import Marked, Plot, draw_density
 
-DrawPlot = Callable[[Any, Any], None]
+DrawPlot = Callable[[Any, Any], Any]
 MAX_EARLIER = 24
 """Number of earlier forecasts drawn. [1]"""
 WORKING_TEXT = "comparing with the forecast ..."

@@ -49,7 +49,7 @@ from fieldkit.tui.widgets.plots import Plot, draw_density
 class Hills:
     """The plots of drag and thrust: positions, headings and densities, with warnings."""
 
-    drawn: tuple[tuple[str, str, Callable[[Any, Any], None]], ...]
+    drawn: tuple[tuple[str, str, Callable[[Any, Any], Any]], ...]
     warnings: tuple[str, ...]
 
 

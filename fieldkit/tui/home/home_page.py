@@ -32,7 +32,7 @@ from fieldkit.services.listed_flights import ListedFlight, listed_at_once
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.help import Help
 from fieldkit.tui.home.first_steps import FIRST_STEPS, Step, launch_day, step_cells
-from fieldkit.tui.home.home_rows import listed, logs_of
+from fieldkit.tui.home.home_rows import listed, logs_of, trend
 from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import IMPORTING
@@ -178,6 +178,7 @@ class LastCard(HomeCard):
         """Show the last flight with its forecast, and the flights of the day in one line."""
         last = view.last if view is not None else None
         self.display = view is not None
+        self.border_subtitle = ""
         if view is None or last is None or last.flight.apogee is None:
             self.say("Nothing has flown yet.")
             return
@@ -185,6 +186,7 @@ class LastCard(HomeCard):
         interval = IntervalBar("", *forecast.interval, flown=apogee) if forecast is not None else None
         words: Sequence[str] = list(home_text.flown_lines(last, system))
         title, day = home_text.flown_title(last), home_text.day_line(view.on(today), system)
+        self.border_subtitle = trend(view.flights, last.flight.rocket)
         self.figure(title, number(APOGEE, apogee, system), words, interval, day)
 
 

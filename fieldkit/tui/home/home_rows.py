@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from rich.cells import cell_len
+from textual.content import Content
 
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.makers import motor_name
@@ -13,12 +14,15 @@ from fieldkit.settings import Settings
 from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.next.intervals import HeightScale, heading
 from fieldkit.tui.resources import IMPORTING, Resources
+from fieldkit.tui.widgets.states import CAUTION_COLOR, GOOD_COLOR
 from fieldkit.tui.widgets.table import Head
 
 PROFILE_CELLS, MOTOR_CELLS = 16, 10
 """Widths of the sparkline and of the motor of a flight. [cell]"""
 TAG_CELLS = 12
 """Width of the tags of a flight. [cell]"""
+MAX_BARS = 16
+"""Number of latest misses in a trend. [1]"""
 COMPUTED = "~"
 """Mark of a miss against what the other flights lead to expect, if no forecast was saved."""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
@@ -64,7 +68,7 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[
         when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
         apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
         stale = "*" if forecast is not None and forecast.stale and forecast.miss is not None else ""
-        miss = "" if one.miss is None else f"{_outside(one)}{signed(one.miss, system)}{stale}"
+        miss = "" if one.miss is None else f"{_marks(one)}{signed(one.miss, system)}{stale}"
         motor = motor_name(flight.motor, MOTOR_CELLS)
         texts = [flight.flight_id, when, build_of(flight), motor, apogee, miss, " ".join(flight.tags)]
         texts += [profile] if profiles else []
@@ -73,13 +77,25 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[
     return cells
 
 
-def _outside(one: ListedFlight) -> str:
-    """The mark of a flight outside its forecast's interval, or of a miss that was computed from the other flights."""
-    apogee = one.flight.apogee
-    if apogee is None or one.forecast is None or one.forecast.miss is None:
-        return COMPUTED
-    low, _, high = one.forecast.interval
-    return "" if low <= apogee <= high else "!"
+def _marks(one: ListedFlight) -> str:
+    """The marks of a miss: outside its interval, and computed from the other flights."""
+    return ("" if _inside(one) else "!") + (COMPUTED if one.forecast is None or one.forecast.miss is None else "")
+
+
+def _inside(one: ListedFlight) -> bool:
+    """Whether a flight is within its interval, or has none."""
+    return one.interval is None or one.flight.apogee is None or one.interval[0] <= one.flight.apogee <= one.interval[2]
+
+
+def trend(flights: Sequence[ListedFlight], rocket: str) -> Content:
+    """The misses of a rocket's latest flights as bars, from the first to the last, in the colors of those inside their
+    intervals and of those outside; empty for fewer than two."""
+    missed = [one for one in flights if one.flight.rocket == rocket and one.miss is not None][:MAX_BARS][::-1]
+    if len(missed) < 2:
+        return Content()
+    bars = sparkline([0.0, *(abs(one.miss or 0.0) for one in missed)], MAX_BARS + 1)[1:]
+    colors = [GOOD_COLOR if _inside(one) else CAUTION_COLOR for one in missed]
+    return Content.assemble("misses ", *((bar, f"${color}") for bar, color in zip(bars, colors, strict=True)))
 
 
 def signed(height: float, system: str) -> str:

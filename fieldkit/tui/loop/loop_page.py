@@ -122,6 +122,7 @@ class LoopScreen(PageScreen):
         Binding("left", "turn(-1)", "Previous panel", show=False, priority=True),
         Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
     ]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012  # as Textual has it
     DEFAULT_CSS = """
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     LoopScreen #panels { height: 1fr; }

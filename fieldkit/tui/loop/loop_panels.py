@@ -143,7 +143,7 @@ class HeadlinePanel(VerticalScroll):
         missed = [(one.flight.flight_id, one.miss) for one in found if np.isfinite(one.miss)]
         plot = self.query_one("#each", Plot)
         plot.set_class(len(missed) > 1, "-shown")
-        plot.border_title = Content(f"Each flight, flown minus what the others lead to expect [{_unit(system)}]")
+        plot.border_title = Content(f"Each flight beside the others of its rocket [{_unit(system)}]")
         plot.show(partial(draw_misses, missed, None, system) if len(missed) > 1 else None)
 
     def wait(self, text: Content | Hanging | str) -> None:

@@ -40,7 +40,7 @@ def verdict(found: Findings, system: str) -> Content:
         "\n",
     ]
     for title, lines in _sections(found, system):
-        shown = [f"{printable(line)}\n" for line in lines]
+        shown = [_colored(f"{printable(line)}\n") for line in lines]
         parts += [(f"\n{title}\n", "b $primary"), *shown] if shown else []
     parts += [f"{printable(line)}\n" for line in found.excluded]
     parts += [("\nError on held-out flights\n", "b $primary")]
@@ -60,6 +60,12 @@ def _sections(found: Findings, system: str) -> Iterable[tuple[str, list[str]]]:
     yield "How sure", [how_sure(found), *also, *climbs(found)]
     yield "What would decide", [f"{test.words(system)} (odds {test.odds})" for test in found.tests]
     yield "What accepting changes", [what_forecasts_become(found)]
+
+
+def _colored(line: str) -> str | tuple[str, str]:
+    """Bars of misses before and after in the colors of the headline."""
+    color = {"before ": "$accent", "after  ": "$success"}.get(line[:7])
+    return line if color is None else (line, color)
 
 
 def _bars(found: Findings, system: str) -> list[str]:
