@@ -319,7 +319,7 @@ def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[tuple
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
-            ratio, usually = value / middle, of_column(BY_NAME[name], middle)
+            ratio, usually = value / middle, of_column(BY_NAME[name], middle, digits=3)
             times = f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
             phrase = f"{_titled(BY_NAME[name], value)} is {times} the usual {usually} of this rocket and motor"
             yield message(phrase), (name,)

@@ -30,7 +30,6 @@ from fieldkit.safe_text import printable
 from fieldkit.settings import UNITS
 from fieldkit.tui.asking import WAIT
 from fieldkit.tui.computing import Turn
-from fieldkit.tui.crash import Crash, place_of, record
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, nobody_looks, terminal
 from fieldkit.tui.keys import in_capitals, pressed
 from fieldkit.tui.memory import START_TIME, freeze_permanent, limit_malloc, resume_collection
@@ -41,6 +40,7 @@ from fieldkit.tui.widgets.bars import Notice, NoticeBar
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Change, UndoStep
+    from fieldkit.tui.crash import Crash
     from fieldkit.tui.flights.flights_page import FlightsScreen
 
 PAUSE = 0.05
@@ -72,7 +72,7 @@ class Whereabouts:
 
     page: str
     row: Any
-    crash: Crash
+    crash: "Crash"
 
 
 class FieldkitApp(App[None]):
@@ -125,7 +125,7 @@ class FieldkitApp(App[None]):
         """The state when an error ended the app."""
         self.errors: list[Exception] = []
         """Unexpected errors after which the app continued."""
-        self._crashes: dict[str, Crash] = {}
+        self._crashes: dict[str, "Crash"] = {}
         self._back = back
         self._stays = stays
         if stays:
@@ -450,7 +450,9 @@ class FieldkitApp(App[None]):
         self.errors.append(error)
         self.show_notice(self._crash(error).line(), error=True)
 
-    def _crash(self, error: BaseException) -> Crash:
+    def _crash(self, error: BaseException) -> "Crash":
+        from fieldkit.tui.crash import place_of, record
+
         crash = record(error) if (known := self._crashes.get(place_of(error))) is None else known
         return self._crashes.setdefault(crash.where, crash)
 

@@ -122,7 +122,7 @@ class Finder(Provider):
         yield Entry("setting", "Your card", "Certification, age, rules, rods, range box", self._ask_card)
         yield Entry("setting", "Setting: units", "The next units: SI, US, mixed", host.action_next_units)
         for place, view in enumerate(VIEWS):
-            about = "Decide, for the motor selected on the Fly page"
+            about = "For the motor selected on the Fly page"
             yield Entry("decision", f"Decide: {view.lower()}", about, partial(host.decide, place))
         for kind, (what, about) in PAGES.items():
             at = FINALS if kind == "finals" else LANDING

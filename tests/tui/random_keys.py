@@ -7,6 +7,7 @@ import json
 import os
 import random
 import sys
+import time
 import traceback
 from collections import deque
 from pathlib import Path
@@ -46,6 +47,8 @@ OTHER = (
 )
 KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
 """The keys; those that change the page are more frequent, and none leaves the app."""
+IDLE = 0.2
+"""Processor time that an idle app uses at most within a second. [s]"""
 REPORTED = 1000
 """Number of keys between two reports."""
 
@@ -59,6 +62,16 @@ async def ready(app: FieldkitApp) -> None:
     """Wait until the app has opened its pages behind the visible one and is idle."""
     while not app._readied or not all(worker.is_finished for worker in app.workers):
         await asyncio.sleep(0.05)
+
+
+async def rested(pause: float) -> None:
+    """Wait for a pause, and until the threads have ended the work that was dropped, however long a busy machine
+    takes."""
+    await asyncio.sleep(pause)
+    used = -1.0
+    while time.process_time() - used > IDLE:
+        used = time.process_time()
+        await asyncio.sleep(1.0)
 
 
 async def handled(app: FieldkitApp) -> None:
@@ -84,7 +97,7 @@ async def pressed(seed: int, keys: int, pause: float, ledger: Path, size: tuple[
     last = deque[str](maxlen=40)
     async with app.run_test(size=size):
         await ready(app)
-        await asyncio.sleep(pause)
+        await rested(pause)
         start = most = resident()
         for done in range(1, keys + 1):
             key, before = rng.choice(KEYS), len(app.errors)
@@ -95,7 +108,7 @@ async def pressed(seed: int, keys: int, pause: float, ledger: Path, size: tuple[
             report(done, app.errors[before:], last)
         for worker in app.workers:
             worker.cancel()
-        await asyncio.sleep(pause)
+        await rested(pause)
         give_back()
         rest = resident()
     errors = [f"{type(error).__name__}: {error}" for error in app.errors]
