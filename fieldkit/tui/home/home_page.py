@@ -67,7 +67,7 @@ class Choices(Static):
         """Each choice with its description if there is room."""
         widths = [self.size.width * (n + 1) // len(CHOICES) - self.size.width * n // len(CHOICES) for n in range(3)]
         lines = ["".join(f"{left}{'─' * (width - 2)}{right}" for width in widths) for left, right in ("╭╮", "╰╯")]
-        middle = []
+        middle: list[str | Content] = []
         for width, (key, name, about) in zip(widths, CHOICES, strict=True):
             words = f"  {about}" if width - 4 > LONG_CHOICE_WIDTH else ""
             text = Content.assemble((f" {key} ", "$foreground b reverse"), (f" {name}", "b $foreground"))

@@ -7,6 +7,7 @@ from functools import cache
 from math import ceil
 
 from textual.content import Content
+from textual.style import Style
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
@@ -42,12 +43,14 @@ class TopBar(Static):
     def render(self) -> Content:
         """The pages in one line; a narrower terminal drops first the program's name, then spaces."""
         gap = "  " if self.size.width >= 78 else " "
-        parts = [Content.from_markup("[b $accent]fieldkit[/] ")] if self.size.width >= 92 else []
+        parts: list[str | Content | tuple[str, str | Style]] = []
+        if self.size.width >= 92:
+            parts = [("fieldkit", "b $accent"), " "]
         for name, number, title in self._titles:
             text = f"{number} {title}" if self.size.width >= 70 else f"{number}{title}"
-            here = f"[b reverse] {text} [/]" if name == self._current else f"[@click=app.page('{name}')]{text}[/]"
-            parts.append(Content.from_markup(here + gap))
-        return Content("").join(parts)
+            here = name == self._current
+            parts += [(f" {text} ", "b reverse") if here else (text, clicked(f"app.page('{name}')")), gap]
+        return Content.assemble(*parts)
 
 
 class NoticeBar(Static):
@@ -171,5 +174,10 @@ GLOBAL_KEYS = ("Undo", "Copy", "Help", "Quit")
 @cache
 def _label(shown: str, word: str, key: str) -> Content:
     """A key and its word; a click on either presses the key."""
-    escaped = shown.replace("[", r"\[")
-    return Content.from_markup(f"[@click=app.press({key!r})][b $footer-key-foreground]{escaped}[/] {word}[/]")
+    label = Content.assemble((shown, "b $footer-key-foreground"), f" {word}")
+    return label.stylize(clicked(f"app.press({key!r})"))
+
+
+def clicked(action: str) -> Style:
+    """A style of text on which a click runs an action."""
+    return Style.from_meta({"@click": action})
