@@ -60,9 +60,11 @@ def hanging(text: Iterable[str]) -> Hanging:
 
 
 def marked(line: str) -> Content:
-    """A line of text, the mark of a verdict at its start in its color."""
+    """A line of text, the mark of a verdict at its start in its color, and bars in theirs."""
     style = MARKS.get(line[:1]) if line[1:2] == " " else None
-    return Content(line).stylize(style, 0, 1) if style else Content(line)
+    bar = line.find("█")
+    text = Content(line).stylize("$primary", bar) if bar >= 0 else Content(line)
+    return text.stylize(style, 0, 1) if style else text
 
 
 def answered(text: Iterable[str]) -> Hanging:
