@@ -15,7 +15,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from tests.benchmarks.timing import FLYER, beside, of_children
 from tests.pressing import season
 
-MAX_RATIO = 1.5
+MAX_RATIO = 1.4
 """Maximum ratio to an empty app. [1]"""
 PAINTED = """
 import asyncio, os

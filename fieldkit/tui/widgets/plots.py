@@ -5,6 +5,9 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -232,7 +235,7 @@ class Sheet:
             value = self._first + (column + 0.5) / self.ink.width * self._span
             eighths = round(float(np.interp(value, at, heights)) * self.rows / HEADROOM * 8)
             for row in range(eighths // 8):
-                self._cells[row][column] = " ", _inked(self.ink.line) + Style(reverse=True)
+                self._cells[row][column] = " ", _inked(self.ink.line, True)
             if eighths % 8:
                 self._cells[eighths // 8][column] = EIGHTHS[eighths % 8], _inked(self.ink.line)
 
@@ -257,9 +260,15 @@ class Sheet:
             axis[self.column(value)] = "┬"
             start = max(0, min(self.column(value) - len(label) // 2, self.ink.width - len(label)))
             below[start : start + len(label)] = label
-        drawn = [Text.assemble(*row) for row in reversed(self._cells)]
+        drawn = [
+            Text.assemble(*(("".join(sign for sign, _ in run), style) for style, run in groupby(row, itemgetter(1))))
+            for row in reversed(self._cells)
+        ]
         return Text("\n").join([*drawn, *(Text("".join(row), _inked(self.ink.text)) for row in (axis, below))])
 
 
-def _inked(color: Any) -> Style:
-    return Style() if color == "default" else Style(color=f"rgb({color[0]},{color[1]},{color[2]})")
+@cache
+def _inked(color: Any, filled: bool = False) -> Style:
+    """The style of a color of `Ink`, or of a cell filled with it."""
+    named = None if color == "default" else f"rgb({color[0]},{color[1]},{color[2]})"
+    return Style(color=named, reverse=filled)
