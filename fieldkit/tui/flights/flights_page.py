@@ -49,6 +49,8 @@ MAX_DRAWN_FLIGHTS = 120
 class FlightCard(VerticalScroll):
     """The card next to the table."""
 
+    BORDER_TITLE, BORDER_SUBTITLE = "Flight", "Enter to open it, t to tag it"
+
     DEFAULT_CSS = """
     FlightCard Static { height: auto; }
     """
@@ -163,8 +165,8 @@ class FlightsScreen(PageScreen):
     FlightsScreen #filter { height: 1; }
     FlightsScreen #filter Static { width: auto; padding: 0 1; }
     FlightsScreen #filter Input { width: 1fr; height: 1; }
-    FlightsScreen #beside { width: 30%; min-width: 43; display: none; padding: 0 1;
-        border-left: solid $border-blurred; }
+    FlightsScreen #beside { width: 30%; min-width: 44; display: none; padding: 0 1; border: round $border-blurred;
+        border-title-color: $foreground; border-subtitle-color: $foreground; }
     FlightsScreen.-wide #beside { display: block; }
     """
 

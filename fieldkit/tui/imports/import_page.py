@@ -154,6 +154,7 @@ class ImportScreen(PageScreen):
     ImportScreen #where { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     ImportScreen #files { width: 34; }
     ImportScreen.-wide #files { width: 60; }
+    ImportScreen.-wide #look { border: round $border-blurred; }
     ImportScreen #look { width: 1fr; padding: 0 1; border-left: solid $border-blurred; }
     ImportScreen #preview { height: auto; margin-bottom: 1; }
     ImportScreen.-wide.-tall .-large-only.-filled { display: block; }

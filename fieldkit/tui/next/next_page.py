@@ -125,6 +125,8 @@ NEXT_HELP = Help(
 class ForecastCard(VerticalScroll):
     """The card next to the motors; `text` is its content, for copying."""
 
+    BORDER_TITLE, BORDER_SUBTITLE = "Forecast", "Enter to save it, d to decide"
+
     DEFAULT_CSS = """
     ForecastCard Static { height: auto; }
     ForecastCard #big { height: 3; width: 1fr; }
@@ -244,7 +246,8 @@ class NextScreen(PageScreen):
     NextScreen #search Input, NextScreen #search Input:focus { width: 1fr; height: 1; border: none; padding: 0; }
     NextScreen #motors { width: 5fr; }
     NextScreen #card { width: 38; padding: 0 1; border-left: solid $border-blurred; scrollbar-size-vertical: 1; }
-    NextScreen.-wide #card { width: 40%; min-width: 60; }
+    NextScreen.-wide #card { width: 40%; min-width: 60; border: round $border-blurred;
+        border-title-color: $foreground; border-subtitle-color: $foreground; }
     NextScreen.-narrow #split { layout: vertical; }
     NextScreen.-narrow #motors { height: 7; width: 1fr; }
     NextScreen.-narrow #card { width: 1fr; height: 1fr; border-left: none; border-top: solid $border-blurred; }

@@ -115,8 +115,8 @@ class SetupScreen(PageScreen):
     SetupScreen.-short.-normal SetupCard Plot, SetupScreen.-short.-narrow SetupCard Plot { height: 8; }
     SetupScreen.-wide #split { layout: horizontal; }
     SetupScreen.-wide Table { height: 1fr; }
-    SetupScreen.-wide SetupCard { display: block; width: 40%; min-width: 62; height: 1fr; border-top: none;
-        border-left: solid $border-blurred; }
+    SetupScreen.-wide SetupCard { display: block; width: 40%; min-width: 62; height: 1fr;
+        border: round $border-blurred; }
     """
 
     def __init__(self) -> None:

@@ -178,19 +178,19 @@ def draw_density(
     first, last = min(shown), max(shown)
 
     def draw(_: Any, ink: Ink) -> Text:
-        sheet = Sheet(ink, first, last)
-        sheet.outline(curve[0], tails, ink.dim)
-        sheet.fill(*curve, low, high)
+        canvas = Canvas(ink, first, last)
+        canvas.outline(curve[0], tails, ink.dim)
+        canvas.fill(*curve, low, high)
         if before[0]:
-            sheet.outline(*before, ink.text)
+            canvas.outline(*before, ink.text)
         for place in ticks or ():
-            sheet.line(place, sheet.rows, ink.text)
-        sheet.line(middle, sheet.cell(middle, *curve), ink.mark)
+            canvas.line(place, canvas.rows, ink.text)
+        canvas.line(middle, canvas.cell(middle, *curve), ink.mark)
         for mark in marks:
-            sheet.put(sheet.cell(mark.value, *curve), sheet.column(mark.value), mark.symbol, ink.mark)
+            canvas.put(canvas.cell(mark.value, *curve), canvas.column(mark.value), mark.symbol, ink.mark)
         most = max(3, ink.width // TICK_WIDTH)
         below = [unit * one for one in round_ticks(first / unit, last / unit, most)] if ticks is None else ticks
-        return sheet.text(spaced([(place, number(place)) for place in below], first, last, ink.width))
+        return canvas.text(spaced([(place, number(place)) for place in below], first, last, ink.width))
 
     return draw
 
@@ -203,7 +203,7 @@ HEADROOM = 1.15
 """Height of a drawing, over that of its highest curve. [1]"""
 
 
-class Sheet:
+class Canvas:
     """Cells above an axis from `first` to `last`, to draw curves on whose heights are fractions of the highest one."""
 
     def __init__(self, ink: Ink, first: float, last: float) -> None:
