@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 
 import fieldkit
@@ -57,8 +58,6 @@ def place_of(error: BaseException) -> str:
 
 def _lines(error: BaseException) -> Iterator[str]:
     """The versions, and every error of the chain, the root cause first."""
-    from importlib.metadata import version  # takes 10 ms to import
-
     yield f"fieldkit {fieldkit.__version__}, Textual {version('textual')}, Python {platform.python_version()}"
     yield f"{platform.system()} {platform.machine()}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     for one in _chain(error):
