@@ -53,10 +53,15 @@ def diagnosis_of(
             "expected at least 4 to close the loop"
         )
     history = history.using(used_in_fit)
-    model = rocket_model(history)
+    model, data = rocket_model(history), observe(history)
+    if (count := int(data.seen[:, 0].sum())) < 4:
+        raise NoFlights(
+            f"{rocket}: found {counted(count, 'normal flight')} with an apogee that says anything of it, "
+            "expected at least 4 to close the loop"
+        )
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
     forces = logged_forces(model, flight_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
-    return diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, forces)
+    return diagnose(model, data, part(on_progress, 0.2, 0.8), given, declined, forces)
 
 
 def look(

@@ -51,7 +51,13 @@ def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
             f"{rocket}: found {counted(sum(used_in_fit), 'normal flight')} with an apogee, "
             f"expected at least {MIN_FLIGHTS}"
         )
-    return quick_look(rocket, history, used_in_fit)
+    found = quick_look(rocket, history, used_in_fit)
+    if found.flights < MIN_FLIGHTS:
+        raise NoFlights(
+            f"{rocket}: found {counted(found.flights, 'normal flight')} with an apogee that says anything of it, "
+            f"expected at least {MIN_FLIGHTS}"
+        )
+    return found
 
 
 def predict_quickly(

@@ -236,3 +236,14 @@ def test_every_command_knows_every_readout(
     if "--details" in command:  # the table of fingerprints
         assert "coast dra" in printed
         assert "burn impu" in printed
+
+
+@pytest.mark.parametrize("command", [["loop", "--details"], ["loop", "--quick"], ["infer"], ["score"]], ids=" ".join)
+def test_apogees_too_uncertain_to_fit_are_no_flights_for_a_loop(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, ledger = tmp_path / "table.csv", ["--ledger", str(tmp_path / "l.db")]
+    rows = "".join(f"{n},Law,F24-4W,322,250,1e6\n" for n in range(5))
+    table.write_text(f"flight_id,rocket,motor,dry_mass_g,apogee_m,apogee_sd_m\n{rows}")
+    assert main([*ledger, "import", str(table)]) == 0
+    check([*ledger, *command, *(["--dry-run"] if "loop" in command else [])], capsys)
