@@ -97,6 +97,7 @@ def test_commands_show_no_metric_figures_to_a_user_of_us_units(capsys: pytest.Ca
         ("Peak acceleration 7.7 g", "US", False),
         ("8 motors of 24 mm fit", "US", False),
         ("MAE [m]", "US", True),
+        ("stated_apogee_m   161.544", "US", True),
         ("9.4 in the first half second", "SI", False),
         ("47 N s, 30 m/s", "US", True),
         ("±0.0765 lb/ft³", "SI", True),

@@ -4,11 +4,16 @@ import re
 
 _METRIC = r"1/km|m|m/s|kg|g|mm|cm|km|hPa|°C|K|kg/m³|m/s²|m/s\^2"
 _CUSTOMARY = r"ft|mph|oz|lb|in|inHg|°F|lb/ft³|ft/s²|ft/s\^2"
+_SUFFIXES = {"US": "m|mps|mm|c|hpa", "SI": "ft|mph|in|oz|lb|f|inhg"}
 _FIGURE = {
-    system: re.compile(rf"(?<![\w.])[-+]?\d[\d.,]*(?:e[-+]?\d+)? (?:{units})(?![\w/^²³])|\[(?:{units})\]")
+    system: re.compile(
+        rf"(?<![\w.])[-+]?\d[\d.,]*(?:e[-+]?\d+)? (?:{units})(?![\w/^²³])|\[(?:{units})\]"
+        rf"|\w_(?:{_SUFFIXES[system]}) +[-+]?\d"
+    )
     for system, units in {"US": _METRIC, "SI": _CUSTOMARY}.items()
 }
-"""A figure with its unit, or a heading with one, by the system in which it has no place."""
+"""A figure with its unit or after the name of a column with it, or a heading with one, by the system in which it has
+no place."""
 _ELSEWHERE = {
     "quoted rules": r"[“\"][^”\"]*[”\"]",
     "points of a contest": r"(?m)^.* points  .*$",

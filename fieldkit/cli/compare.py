@@ -70,9 +70,10 @@ def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
     print_table(headers, rows)
     for recording, comparison in zip(found[1:], compared, strict=True):
         if comparison.rms is not None and comparison.shift is not None:
+            shift = round(comparison.shift, 2) + 0.0  # zero is never negative
             say(
                 f"{recording.name}: heights differ by {ShownUnits(chosen).length(comparison.rms, 1)} (RMS) over "
-                f"{comparison.seconds:.1f} s of ascent, after shifting its clock by {comparison.shift:.2f} s"
+                f"{comparison.seconds:.1f} s of ascent, after shifting its clock by {shift:.2f} s"
             )
         else:
             say(f"{recording.name}: no samples to compare with those of {found[0].name}")

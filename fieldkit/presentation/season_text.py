@@ -129,10 +129,9 @@ def _setting(guide: SeasonGuide, ways: SeasonWays, shown: ShownUnits) -> SeasonS
 
 def _practice(practice: Practice, shown: ShownUnits) -> SeasonStep:
     before, best, worst = practice.plans[0], practice.single[0], practice.single[-1]
-    texts = [
-        f"the next: timed, at a dry mass of {shown.mass(best.masses[0])}: a finals apogee is then known to "
-        f"{best.apogee_sd:.1%} instead of {before.apogee_sd:.1%}"
-    ]
+    now, then = f"{before.apogee_sd:.1%}", f"{best.apogee_sd:.1%}"
+    known = f"known to {then} instead of {now}" if then != now else f"known to {now}, as now"
+    texts = [f"the next: timed, at a dry mass of {shown.mass(best.masses[0])}: a finals apogee is then {known}"]
     if worst.apogee_sd - best.apogee_sd < 0.02 * best.apogee_sd:
         texts.append("any mass between those of the finals narrows it as much, so fly the one you need")
     texts += [_planned(one, shown) for one in practice.plans]
@@ -140,7 +139,8 @@ def _practice(practice: Practice, shown: ShownUnits) -> SeasonStep:
 
 
 def _planned(one: PracticePlan, shown: ShownUnits) -> str:
-    at = f" at {', '.join(shown.mass(mass) for mass in one.masses)}" if one.masses else ""
+    masses = list(dict.fromkeys(shown.mass(mass) for mass in one.masses))
+    at = f" at {', '.join(masses if len(masses) == 1 else map(shown.mass, one.masses))}" if masses else ""
     when = f"after {counted(len(one.masses), 'more flight')}{at}" if one.masses else "now"
     return (
         f"{when}: apogee ± {one.apogee_sd:.1%}, descent ± {one.descent_sd:.0%}, {counted(round(one.points), 'point')}"
