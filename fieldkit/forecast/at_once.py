@@ -81,5 +81,5 @@ def each_at_once(flown: FlownFlights, shared: Sequence[SharedPrior | None]) -> l
         response = respond(together(pairs), {name for fit in fits for name in acting(fit)})
         for number, (pair, fit) in enumerate(zip(pairs, fits, strict=True)):
             ready = PreparedHistory(pair, fit, response.part(slice(2 * number, 2 * number + 2)))
-            found += answers(ready, ready.flown)
+            found += answers(ready, ready.flown, causes=False)
     return found

@@ -2,10 +2,11 @@
 
 Draws of the linear pass are weighted by the model's posterior density over the density they were drawn from (Robert and
 Casella, Monte Carlo Statistical Methods, 2004, chapter 3), and the readouts of every draw are simulated. The terms are
-drawn from the linear fit, slightly widened. The posterior density of a draw is, up to a constant, its prior times its
-likelihood, with multivariate Student t noise for each flight, summed over the scales of scatter and reading. The
-weighted draws are the model's forecast of the plan's apogee; the same draws without simulations and weights are the
-linear pass's. The apogees of the answer are weighted by the density of the one over that of the other.
+drawn from the linear fits, slightly widened. The posterior density of a draw is, up to a constant, its prior times its
+likelihood, with multivariate Student t noise for each flight or any cause of a one-off, summed over the scales of
+scatter and reading. The weighted draws are the model's forecast of the plan's apogee; the same draws without
+simulations and weights are the linear pass's. The apogees of the answer are weighted by the density of the one over
+that of the other.
 
 Weights are unreliable if the largest follow a generalized Pareto distribution of shape k > 0.7 (Vehtari, Simpson,
 Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research 25, 2024): then the
@@ -14,6 +15,7 @@ answer's apogees measures their overlap.
 """
 
 from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 from numpy.random import Generator
@@ -22,6 +24,7 @@ from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.moments import own_variance
 from fieldkit.inference.history.quick_forecast import QuickAnswer
 from fieldkit.inference.history.response import slopes
+from fieldkit.inference.history.usual_flights import Cases, signatures_at
 from fieldkit.inference.laplace.importance import (
     INFLATION,
     MORE_DRAWS,
@@ -30,8 +33,10 @@ from fieldkit.inference.laplace.importance import (
     log_prior,
     summed,
 )
+from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import term_sds
+from fieldkit.model.causes import USUAL_PROBABILITY
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import shown
@@ -81,12 +86,14 @@ def check(answer: QuickAnswer, draws: int = DRAWS, seed: int = 0) -> Check:
 
 def _check(answer: QuickAnswer, rng: Generator, draws: int) -> Check:
     linear = answer.linear
-    terms, which, log_density = _drawn(linear, rng, draws)
+    terms, which, log_density = _drawn(answer.cases, rng, draws)
     model = replace(linear.model.with_terms(*linear.fresh), coarse=True)
     flown = _flown(model, terms)
     scales = np.arange(len(linear.fit.weights))
-    data = replace(linear.fit.data, trust=np.ones_like(linear.fit.data.trust))
-    likelihood = log_likelihood(replace(linear.fit, data=data), scales, flown[:, :-1])
+    data = replace(linear.fit.data, trust=np.ones_like(linear.fit.data.trust), normal=None)
+    usual = log_likelihood(replace(linear.fit, data=data), scales, flown[:, :-1])
+    log_causes = one_offs(linear.fit, known=signatures_at(linear.fit)).log_causes
+    likelihood = np.logaddexp(log(USUAL_PROBABILITY) + usual, log_causes)
     past = replace(linear.fit.model, terms=(*linear.fit.model.terms, *linear.fresh))
     total, parts = summed(log_prior(past, scales, terms) + likelihood.sum(axis=-1))
     smooth, pareto_k = smoothed(total - log_density)
@@ -123,23 +130,26 @@ def _flown(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "draw
 
 
 def _drawn(
-    linear: LinearFit, rng: Generator, draws: int
+    cases: Cases, rng: Generator, draws: int
 ) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"], Float[Array, "draw"]]:
     """Draws of the terms, the scale that each is from, and their log density up to a constant."""
-    fit, fresh = linear.fit, linear.fresh
-    known, count = fit.mean.shape[1], fit.mean.shape[1] + len(fresh)
-    mean = np.concatenate([fit.mean, np.tile([term.mean for term in fresh], (len(fit.mean), 1))], axis=1)
+    fits, fresh = [linear.fit for _, linear in cases], cases[0][1].fresh
+    means = np.concatenate([fit.mean for fit in fits])
+    weights = np.concatenate([chance * linear.fit.weights for chance, linear in cases])
+    known, count = means.shape[1], means.shape[1] + len(fresh)
+    mean = np.concatenate([means, np.tile([term.mean for term in fresh], (len(means), 1))], axis=1)
     covariance = np.zeros((len(mean), count, count))
-    covariance[:, :known, :known] = fit.covariance
+    covariance[:, :known, :known] = np.concatenate([fit.covariance for fit in fits])
     new = np.arange(known, count)
-    covariance[:, new, new] = term_sds(replace(fit.model, terms=fresh, shared=None)) ** 2
+    new_sds = term_sds(replace(fits[0].model, terms=fresh, shared=None))
+    covariance[:, new, new] = np.tile(new_sds**2, (len(fits), 1))
     roots = np.linalg.cholesky(INFLATION * covariance)
-    which = rng.choice(len(mean), size=draws, p=fit.weights)
+    which = rng.choice(len(mean), size=draws, p=weights)
     terms = mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, count)))
     scaled = np.linalg.solve(roots, np.moveaxis(terms[:, None] - mean, 0, -1))
     by_scale = -0.5 * (scaled**2).sum(axis=1) - np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)[:, None]
-    log_weight = np.log(np.maximum(fit.weights, 1e-300))
-    return terms, which, np.asarray(np.logaddexp.reduce(log_weight[:, None] + by_scale, axis=0))
+    log_weight = np.log(np.maximum(weights, 1e-300))
+    return terms, which % len(fits[0].weights), np.asarray(np.logaddexp.reduce(log_weight[:, None] + by_scale, axis=0))
 
 
 def _log_student(square: Float[Array, "..."], freedom: float) -> Float[Array, "..."]:

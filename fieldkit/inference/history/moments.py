@@ -59,6 +59,14 @@ class ApogeeMixture:
         return np.asarray(mean + np.sqrt(known) * normal + np.sqrt(own) * student)
 
 
+def mixed_apogees(cases: Sequence[tuple[float, ApogeeMixture]]) -> ApogeeMixture:
+    """The mixture of several with some probabilities. [1]"""
+    chances, parts = zip(*cases, strict=True)
+    weight = np.concatenate([chance * part.weight for chance, part in zip(chances, parts, strict=True)])
+    mean, known, own = (np.concatenate([getattr(part, name) for part in parts]) for name in ("mean", "known", "own"))
+    return ApogeeMixture(weight, mean, known, own, parts[0].tail)
+
+
 @cache
 def _standard_draws(tail: float, count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
     """Standard normal draws and Student t draws; both have one normal draw in each stratum (Latin hypercube; McKay,
@@ -110,6 +118,31 @@ def moments(linear: LinearFit) -> Moments:
     )
 
 
+def mixed_moments(cases: Sequence[tuple[float, Moments]]) -> Moments:
+    """The moments of a mixture: the mean of the variances plus the variance of the means."""
+    chances, parts = zip(*cases, strict=True)
+    chance = np.array(chances)
+    each = {name: np.stack([getattr(part, name) for part in parts]) for name in Moments.__slots__}
+    apogee, cd, alpha = (chance @ each[name] for name in ("apogee", "cd", "alpha"))
+
+    def sd(name: str, mean: str) -> Float[Array, "plan"]:
+        return np.asarray(np.sqrt(chance @ (each[name] ** 2 + (each[mean] - chance @ each[mean]) ** 2)))
+
+    cd_sd, alpha_sd = sd("cd_sd", "cd"), sd("alpha_sd", "alpha")
+    within = each["correlation"] * each["cd_sd"] * each["alpha_sd"]
+    together = chance @ (within + (each["cd"] - cd) * (each["alpha"] - alpha))
+    return Moments(
+        apogee,
+        sd("apogee_sd", "apogee"),
+        sd("parameter_sd", "apogee"),
+        cd,
+        cd_sd,
+        alpha,
+        alpha_sd,
+        together / (cd_sd * alpha_sd),
+    )
+
+
 FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("apogee", *FROM_LOGS))
 """Readouts of a plan that are forecast in addition to its apogee."""
 
@@ -143,6 +176,15 @@ def readout_moments(linear: LinearFit) -> ReadoutMoments:
         values + slope @ away,
         np.sqrt((spread * slope).sum(axis=-1) + np.tensordot(weights, _scatter_of_readouts(linear, columns), 1)),
     )
+
+
+def mixed_readouts(cases: Sequence[tuple[float, ReadoutMoments]]) -> ReadoutMoments:
+    """The moments of a mixture: the mean of the variances plus the variance of the means."""
+    chances, parts = zip(*cases, strict=True)
+    chance, means = np.array(chances), np.stack([part.mean for part in parts])
+    mean = np.tensordot(chance, means, 1)
+    variance = np.stack([part.sd**2 for part in parts]) + (means - mean) ** 2
+    return ReadoutMoments(mean, np.sqrt(np.tensordot(chance, variance, 1)))
 
 
 def _scatter_of_readouts(linear: LinearFit, columns: Sequence[int]) -> Float[Array, "scale plan readout"]:

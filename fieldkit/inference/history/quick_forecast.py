@@ -19,8 +19,17 @@ from fieldkit.inference.history.linear_fit import (
     prepared_fit,
     robust,
 )
-from fieldkit.inference.history.moments import FORECAST_READOUTS, apogee_mixture, moments, readout_moments
+from fieldkit.inference.history.moments import (
+    FORECAST_READOUTS,
+    apogee_mixture,
+    mixed_apogees,
+    mixed_moments,
+    mixed_readouts,
+    moments,
+    readout_moments,
+)
 from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.inference.history.usual_flights import Cases, with_one_offs
 from fieldkit.model.documents import with_documents
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, readings
@@ -45,7 +54,8 @@ class QuickAnswer:
 
     `apogees` are equally likely apogees of the plan in ascending order [m]; `log_cd` and `log_alpha` are mean and
     standard deviation, and `correlation` is the correlation of the two [1]. `readouts` are the 5, 50 and 95% quantiles
-    of the plan's other readouts, without reading errors, in SI. `plan` is the number of the plan in the history.
+    of the plan's other readouts, without reading errors, in SI. `cases` are the linear fits behind the answer with
+    their probabilities [1], and `plan` is the number of the plan in the history.
     """
 
     apogees: Float[Array, "draw"]
@@ -53,9 +63,14 @@ class QuickAnswer:
     log_alpha: tuple[float, float]
     correlation: float
     readouts: Mapping[str, tuple[float, float, float]]
-    linear: LinearFit
+    cases: Cases
     data: Data
     plan: int = 0
+
+    @property
+    def linear(self) -> LinearFit:
+        """The fit to all flights, all or each to the degree that it is a usual one."""
+        return self.cases[0][1]
 
     def apogee_at(self, level: float) -> float:
         """A quantile of the plan's apogee. [m]"""
@@ -103,16 +118,20 @@ def prepared(history: History, shared: SharedPrior | None = None) -> PreparedHis
     return PreparedHistory(history, fit, respond(history, acting(fit)))
 
 
-def answers(ready: PreparedHistory, flown: Sequence[Flight]) -> list[QuickAnswer]:
-    """The answer for each plan of a history, with the current readouts of its flown flights."""
+def answers(ready: PreparedHistory, flown: Sequence[Flight], *, causes: bool = True) -> list[QuickAnswer]:
+    """The answer for each plan of a history, with the current readouts of its flown flights. Without `causes`, all are
+    taken for usual flights of the rocket. Raises ImpossibleFlight for a flight without a dry mass.
+    """
     history, before = ready.history, ready.flown
     read = ready.fit.model.once("readings", lambda: readings(before, history.found[: len(before)]))
     if rows := [row for row, (now, then) in enumerate(zip(flown, before, strict=True)) if now is not then]:
         read = read.changed(rows, readings([flown[row] for row in rows], [history.found[row] for row in rows]))
     data = history_data(read, history.used_in_fit, ready.fit.model.hyperprior)
     linear = robust(linear_fit(ready.fit, data, ready.response))
-    found, mixture = moments(linear), apogee_mixture(linear)
-    readouts = _readouts(linear)
+    cases = with_one_offs(linear) if causes else [(1.0, linear)]
+    found = mixed_moments([(chance, moments(one)) for chance, one in cases])
+    mixture = mixed_apogees([(chance, apogee_mixture(one)) for chance, one in cases])
+    readouts = _readouts(cases)
     return [
         QuickAnswer(
             np.exp(np.minimum(np.sort(mixture.draws(plan, DRAWS)), MAX_LOG_APOGEE)),
@@ -120,7 +139,7 @@ def answers(ready: PreparedHistory, flown: Sequence[Flight]) -> list[QuickAnswer
             (float(found.alpha[plan]), float(found.alpha_sd[plan])),
             float(found.correlation[plan]),
             readouts[plan],
-            linear,
+            tuple(cases),
             data,
             plan,
         )
@@ -128,10 +147,10 @@ def answers(ready: PreparedHistory, flown: Sequence[Flight]) -> list[QuickAnswer
     ]
 
 
-def _readouts(linear: LinearFit) -> list[dict[str, tuple[float, float, float]]]:
+def _readouts(cases: Cases) -> list[dict[str, tuple[float, float, float]]]:
     """For each plan, the quantiles in SI of readouts that are normal in the form that is compared; a readout that the
     plan lacks is left out."""
-    found = readout_moments(linear)
+    found = mixed_readouts([(chance, readout_moments(one)) for chance, one in cases])
     logarithmic = [bool(IS_LOGARITHMIC[OBSERVED_READOUTS.index(name)]) for name in FORECAST_READOUTS]
     ends = found.mean[..., None] + found.sd[..., None] * np.array([-NORMAL_95, 0.0, NORMAL_95])
     ends[:, logarithmic] = np.exp(ends[:, logarithmic])

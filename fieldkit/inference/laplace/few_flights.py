@@ -15,15 +15,16 @@ import numpy as np
 from fieldkit.inference.laplace.one_offs import LEAST_WEIGHT, one_offs
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.causes import Signatures
 from fieldkit.shapes import Array, Float
 
 MAX_FLIGHTS = 3
 """Number of flights up to which a fit is a mixture; among more, the others show whether one is a usual one. [1]"""
 
 
-def with_and_without_one_off(result: Fit) -> list[tuple[float, Fit]]:
+def with_and_without_one_off(result: Fit, known: Signatures | None = None) -> list[tuple[float, Fit]]:
     """The fit to all flights, then those without each of them, with their probabilities [1]; a fit to more than
-    `MAX_FLIGHTS` flights, or to flights that all are usual ones, stands for itself.
+    `MAX_FLIGHTS` flights, or to flights that all are usual ones, stands for itself. `known` as in `one_offs`.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
@@ -32,7 +33,7 @@ def with_and_without_one_off(result: Fit) -> list[tuple[float, Fit]]:
         return [(1.0, result)]
     usual = np.ones(len(result.data.seen))
     every = _weighted(result, usual)
-    normal = np.maximum(one_offs(every).normal[flown], 1e-300)
+    normal = np.maximum(one_offs(every, known=known).normal[flown], 1e-300)
     odds = np.append(1.0, 1 / normal - 1)
     without = [_weighted(result, np.where(np.arange(len(usual)) == row, LEAST_WEIGHT, usual)) for row in flown]
     return list(zip((odds / odds.sum()).tolist(), [every, *without], strict=True))

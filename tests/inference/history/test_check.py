@@ -39,7 +39,7 @@ def test_a_different_apogee_does_not_pass(answer: QuickAnswer) -> None:
         values = near.values.copy()
         values[plan, 0] += off
         linear = replace(answer.linear, near=replace(near, values=values))
-        found = check(replace(answer, linear=linear, apogees=answer.apogees * np.exp(off)))
+        found = check(replace(answer, cases=((1.0, linear),), apogees=answer.apogees * np.exp(off)))
         effective.append(found.apogee_effective)
     assert effective == sorted(effective, reverse=True)
     assert not found.agrees
@@ -49,8 +49,9 @@ def test_other_parameters_do_not_pass(answer: QuickAnswer) -> None:
     """A pass whose posterior is far from the model's, or much too narrow, has unreliable weights."""
     fit = answer.linear.fit
     sds = np.sqrt(np.diagonal(fit.covariance, axis1=1, axis2=2))
-    moved = replace(answer, linear=replace(answer.linear, fit=replace(fit, mean=fit.mean + 2 * sds)))
-    narrow = replace(answer, linear=replace(answer.linear, fit=replace(fit, covariance=0.05 * fit.covariance)))
+    moved = replace(answer, cases=((1.0, replace(answer.linear, fit=replace(fit, mean=fit.mean + 2 * sds))),))
+    narrow = replace(fit, covariance=0.05 * fit.covariance)
+    narrow = replace(answer, cases=((1.0, replace(answer.linear, fit=narrow)),))
     own = check(answer)
     assert own.parameters_effective > 3 * check(moved).parameters_effective
     assert check(narrow).pareto_k > own.pareto_k
@@ -67,7 +68,7 @@ def test_every_criterion_of_the_check_must_be_met() -> None:
 def test_several_plans_are_refused(answer: QuickAnswer) -> None:
     two = replace(answer.linear, flown=answer.linear.flown - 1)
     with pytest.raises(ValueError, match="expected one"):
-        check(replace(answer, linear=two))
+        check(replace(answer, cases=((1.0, two),)))
 
 
 def test_the_forecast_is_a_mixture_of_student_t_distributions(answer: QuickAnswer) -> None:

@@ -72,6 +72,24 @@ def test_the_answer_is_near_that_of_the_fit(count: int) -> None:
         assert crps(found.apogees, float(apogee)) == pytest.approx(crps(fitted.apogee, float(apogee)), rel=0.35)
 
 
+@pytest.mark.parametrize("count", [1, 3, 5])
+def test_an_odd_flight_moves_the_answer_as_it_moves_the_fit(count: int) -> None:
+    """The last flight reached three fifths of its apogee."""
+    whole = history(count, recorded=("apogee",))
+    odd = whole.flights[count - 1]
+    flights = [*whole.flights[: count - 1], odd.with_changes(apogee=0.6 * (odd.apogee or 0.0)), whole.flights[-1]]
+    (fitted,) = predict(
+        list(zip(flights[:-1], whole.found, strict=False)), [(flights[-1], whole.found[-1])], draws=2000
+    )
+    low, middle, high = np.percentile(fitted.apogee, [5, 50, 95])
+    ready = prepared(replace(whole, flights=tuple(flights)))
+    found = answers(ready, ready.flown)[0]
+    assert abs(found.apogee_at(0.5) - middle) < 0.1 * (high - low)
+    assert width(found) == pytest.approx((high - low) / middle, rel=0.25)
+    (usual,) = answers(ready, ready.flown, causes=False)
+    assert abs(np.log(width(usual) / width(found))) > 0.3
+
+
 OTHERS_FLEW_ONE = SharedPrior(
     (TermName("drag", "fleet"), TermName("thrust", "motor", "AeroTech F39T")),
     np.array([-0.55, 0.02]),
