@@ -147,8 +147,8 @@ search names more in five.
 
 A network answered before. This page is the comparison that retired it, printed by
 `python -m tools.quick_network` on commit 58540097, from measurements that it repeats with networks of
-`python -m studies.quick_network`; since then the shipped pass has had a different grid of the scale of documents.
-Networks of three layers of attention over the
+`python -m studies.quick_network`; since then the shipped pass has had a different grid of the scale of documents, and
+weighs flights by their probability of being usual ones, as the fit does. Networks of three layers of attention over the
 flights were trained on {histories:,} simulated histories ({seconds} s on {device}), from the one model without
 linearization. The whole network sees the closed forms and corrects
 them; the other sees only flights, simulations and conditions. CRPS and widths are relative to the flown apogee.
