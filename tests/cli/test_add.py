@@ -162,7 +162,7 @@ def test_an_extra_digit_is_detected_from_earlier_flights(add: Add, file: Path) -
         assert "times" not in add([], *setup, motor, "--apogee", apogee)[2]
     status, _, err = add([], *setup, "F24", "--apogee", "9230ft", "--coast-to-apogee", "5.1")
     assert status == 0
-    assert "note: apogee 2813 m is 9.9 times the usual 283.9 m of this rocket and motor" in err
+    assert "note: apogee 2813 m is 9.9 times the usual 284 m of this rocket and motor" in err
     assert "coast" not in err
     assert add(["Astra", "", "F24-4W", "60m"])[2].count("unusual: apogee 60 m is 21% of the usual") == 1
     assert len(flights_in(file)) == 5
