@@ -194,7 +194,8 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
         lift = None
     felt = log.push if log.ascent.fused else None
     times = felt.time if felt else log.every
-    if found is not None and ((lost is not None and not felt) or _is_unseen(times, begin, found[0].time)):
+    unseen = found is not None and ((lost is not None and not felt) or _is_unseen(times, begin, found[0].time))
+    if found is not None and (unseen or found[1].value <= 0):
         found, notes = None, (NO_BOOST,)
     step = lasting_step(log.track, begin, found[0].time + _STEP_REACH) if found is not None and not felt else None
     if step is not None:

@@ -55,6 +55,32 @@ def test_a_table_broken_up_by_quotation_marks_is_read_or_refused() -> None:
     must_hold(log.replace(b";", b'"'), "openrocket")
 
 
+FALLING_AT_BURNOUT = (
+    b"~~ MP",
+    b"ab800100e27b01006200887f237fc57e",
+    b"717e1f7ed67d947d567d9c7de67cb67c",
+    b"8c7cc7de67cb67c",
+    b"8c7c697c497c2b7c137c047ce" + 48 * b"\xff" + b"f7bea7b",
+    b"e67be07be77bf97b157c2e7c467c6a7c",
+    b"8e7caf7ccf7ced7c0a7d317d527d747d",
+    b"9a7db87dd97dfb7d137e277e3a7e4e7e",
+    b"5d7e697e7c7e877e906ea37eaf7eb97e",
+    b"c0c7ed77ee47ef47efa7e0a7f%1a7f297f",
+    b"347f407f4e7f5e7f6e7f757f817f9'47f",
+    b"a17fad7fbf7fcd7fd67fe47ff57fff7f",
+    b"0a8018061806c80",
+    b"788084809a80a680a680a880ad80a955",
+    b"ab80ad80ab80aa80a980ab80a\x00c80",
+    b"774d",
+    b"",
+)
+"""Lines of a damaged log that a fuzzer found: its heights fall where they seem to show burnout."""
+
+
+def test_a_log_that_falls_at_burnout_has_no_boost_and_no_warning() -> None:
+    must_hold(b"\r\n".join(FALLING_AT_BURNOUT), "micropeak")
+
+
 @pytest.mark.slow
 def test_fifty_thousand_bad_logs_give_messages_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     started, tried, faults = time.monotonic(), Counter[str](), dict[str, str]()

@@ -342,9 +342,11 @@ def test_all_common_encodings_give_the_same_flights(log: bytes) -> None:
     assert (got.rocket, got.apogee, got.notes) == ("Würger", 281.3, "½ µ")
 
 
-name = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=12).map(str.strip)
+READ_AS_OTHERS = "\0\N{MINUS SIGN}"
+"""Characters of a text that a table does not keep: a minus sign is read as a hyphen, as numbers need it."""
+name = st.text(st.characters(exclude_categories=["Cs"], exclude_characters=READ_AS_OTHERS), max_size=12).map(str.strip)
 unknown = name.filter(lambda s: s and not any(s.lower().startswith(n[:4]) for n in (*BY_NAME, *TEXT_COLUMNS)))
-odd_text = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=30)
+odd_text = st.text(st.characters(exclude_categories=["Cs"], exclude_characters=READ_AS_OTHERS), max_size=30)
 a_tag = st.sampled_from(sorted(TAGS)) | name.filter(lambda t: t and t.isalpha() and t.lower() not in TAGS)
 
 

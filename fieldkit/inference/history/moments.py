@@ -23,14 +23,9 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """Mean and standard deviation of log apogee, log Cd and log alpha of plans.
+    """Mean and standard deviation of log Cd (on the reference area) and log alpha of plans, and their correlation.
+    [1]"""
 
-    `parameter_sd` is the part of `apogee_sd` that more flights would reduce; `cd` refers to the reference area. [1]
-    """
-
-    apogee: Float[Array, "plan"]
-    apogee_sd: Float[Array, "plan"]
-    parameter_sd: Float[Array, "plan"]
     cd: Float[Array, "plan"]
     cd_sd: Float[Array, "plan"]
     alpha: Float[Array, "plan"]
@@ -89,14 +84,11 @@ def apogee_mixture(linear: LinearFit) -> ApogeeMixture:
 
 
 def moments(linear: LinearFit) -> Moments:
-    """A linear fit's forecasts of the plans and of their drag and thrust."""
+    """A linear fit's drag and thrust of the plans."""
     fit, model, weights = linear.fit, linear.model, linear.fit.weights
     plans = slice(linear.flown, None)
     fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
     fresh_means = np.array([term.mean for term in linear.fresh])
-    apogee = apogee_mixture(linear)
-    mean = weights @ apogee.mean
-    between = weights @ (apogee.mean - mean) ** 2
     middle, covariance = _mixture(fit.mean, fit.covariance, weights)
     acts = [acting(model.terms, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
     fresh_acts = [acting(linear.fresh, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
@@ -107,9 +99,6 @@ def moments(linear: LinearFit) -> Moments:
     (cd, cd_variance), (alpha, alpha_variance) = by_parameter
     cd_sd, alpha_sd = (np.sqrt(np.maximum(variance, 1e-8)) for variance in (cd_variance, alpha_variance))
     return Moments(
-        mean,
-        np.sqrt(weights @ (apogee.known + apogee.own) + between),
-        np.sqrt(np.maximum(weights @ apogee.known + between, 1e-8)),
         cd,
         cd_sd,
         alpha,
@@ -123,24 +112,13 @@ def mixed_moments(cases: Sequence[tuple[float, Moments]]) -> Moments:
     chances, parts = zip(*cases, strict=True)
     chance = np.array(chances)
     each = {name: np.stack([getattr(part, name) for part in parts]) for name in Moments.__slots__}
-    apogee, cd, alpha = (chance @ each[name] for name in ("apogee", "cd", "alpha"))
+    cd, alpha = chance @ each["cd"], chance @ each["alpha"]
 
-    def sd(name: str, mean: str) -> Float[Array, "plan"]:
-        return np.asarray(np.sqrt(chance @ (each[name] ** 2 + (each[mean] - chance @ each[mean]) ** 2)))
-
-    cd_sd, alpha_sd = sd("cd_sd", "cd"), sd("alpha_sd", "alpha")
+    cd_sd = np.sqrt(chance @ (each["cd_sd"] ** 2 + (each["cd"] - cd) ** 2))
+    alpha_sd = np.sqrt(chance @ (each["alpha_sd"] ** 2 + (each["alpha"] - alpha) ** 2))
     within = each["correlation"] * each["cd_sd"] * each["alpha_sd"]
     together = chance @ (within + (each["cd"] - cd) * (each["alpha"] - alpha))
-    return Moments(
-        apogee,
-        sd("apogee_sd", "apogee"),
-        sd("parameter_sd", "apogee"),
-        cd,
-        cd_sd,
-        alpha,
-        alpha_sd,
-        together / (cd_sd * alpha_sd),
-    )
+    return Moments(cd, cd_sd, alpha, alpha_sd, together / (cd_sd * alpha_sd))
 
 
 FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("apogee", *FROM_LOGS))

@@ -143,7 +143,7 @@ def answers(ready: PreparedHistory, flown: Sequence[Flight], *, causes: bool = T
             data,
             plan,
         )
-        for plan in range(len(found.apogee))
+        for plan in range(len(found.cd))
     ]
 
 

@@ -165,7 +165,7 @@ class FlightsScreen(PageScreen):
     FlightsScreen #filter { height: 1; }
     FlightsScreen #filter Static { width: auto; padding: 0 1; }
     FlightsScreen #filter Input { width: 1fr; height: 1; }
-    FlightsScreen #beside { width: 30%; min-width: 44; display: none; padding: 0 1; border: round $border-blurred;
+    FlightsScreen #beside { width: 30%; min-width: 43; display: none; padding: 0 0 0 1; border: round $border-blurred;
         border-title-color: $foreground; border-subtitle-color: $foreground; }
     FlightsScreen.-wide #beside { display: block; }
     """
