@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
+from fieldkit.flight import BY_NAME
 from fieldkit.motors.listing import Listing, Listings
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.motors.names import Name, burns, compatible, is_cluster, parse, squeeze, tidy
@@ -240,10 +241,24 @@ def _unknown(listings: Listings, text: str, name: Name) -> str:
         return (
             f"{text.strip()!r}: found letters before a delay; did you mean {meant}{f' ({labels})' if labels else ''}?"
         )
+    if not elsewhere and name.delay is None and (meant := _with_hyphen(listings, name)):
+        return f"no motor {text.strip()!r}; did you mean {meant}?"
     last = name if name.core else parse(text.split()[-1]) if text.split() else name
     near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(listings, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
     return f"no motor {text.strip()!r}" + (f"; did you mean {offer}?" if near else f", expected {offer}")
+
+
+def _with_hyphen(listings: Listings, name: Name) -> str:
+    """The motors that a name without its hyphen may be: `F24-4W (AeroTech F24W)` for F244W; empty if there are none."""
+    found = []
+    for digits in (1, 2):
+        core, delay = name.core[:-digits], name.core[-digits:]
+        meant = f"{core}-{delay}{name.letters}"
+        usual = delay.isdecimal() and int(delay) <= BY_NAME["delay"].high
+        if usual and listings.get(core) and (fitting := _fitting(listings, parse(meant), name.maker)):
+            found.append(f"{meant} ({', '.join(listing.label for listing in fitting)})")
+    return " or ".join(found)
 
 
 def _doubtful_delay(name: Name, listing: Listing, text: str) -> str:

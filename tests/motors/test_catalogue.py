@@ -206,6 +206,8 @@ def test_a_single_motor_is_not_a_cluster(text: str) -> None:
         ("P4935", "above O"),
         ("O10000 (Kosdon)", "Cesaroni 40960O8000-P"),
         ("F24-X9", "did you mean F24-9X?"),
+        ("F244W", "did you mean F24-4W (AeroTech F24W)?"),
+        ("C65", "did you mean C6-5 ("),
     ],
 )
 def test_for_an_unknown_motor_the_nearest_names_are_suggested(text: str, nearest: str) -> None:
