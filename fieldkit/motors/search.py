@@ -255,8 +255,8 @@ def _with_hyphen(listings: Listings, name: Name) -> str:
     for digits in (1, 2):
         core, delay = name.core[:-digits], name.core[-digits:]
         meant = f"{core}-{delay}{name.letters}"
-        usual = delay.isdecimal() and int(delay) <= BY_NAME["delay"].high
-        if usual and listings.get(core) and (fitting := _fitting(listings, parse(meant), name.maker)):
+        usual = listings.get(core) and "." not in delay and float(delay) <= BY_NAME["delay"].high
+        if usual and (fitting := _fitting(listings, parse(meant), name.maker)):
             found.append(f"{meant} ({', '.join(listing.label for listing in fitting)})")
     return " or ".join(found)
 

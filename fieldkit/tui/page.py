@@ -120,6 +120,11 @@ class PageScreen(AskingScreen):
         yield NoticeBar()
         yield KeyBar()
 
+    def follow_keys(self) -> None:
+        """Show what the keys do now, on a page that is not being opened or closed."""
+        for bar in self.query(KeyBar):
+            bar.follow()
+
     def body(self) -> Iterable[Widget]:
         """The widgets of the page."""
         return ()

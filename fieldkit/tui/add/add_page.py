@@ -44,7 +44,6 @@ from fieldkit.tui.add.fields import Field, step
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
-from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskYes
 
 DUPLICATE = "Duplicate: it is already in the ledger."
@@ -357,7 +356,7 @@ class AddScreen(PageScreen):
             hand.show(field, self._answered, self.unit(field.question), system)
         else:
             hand.rest(self._answered, system)
-            self.query_one(KeyBar).follow()  # the action of Enter depends on the answers
+            self.follow_keys()  # the action of Enter depends on the answers
 
     def _answers(self) -> dict[str, str]:
         """The typed answers with their units."""

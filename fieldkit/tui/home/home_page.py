@@ -37,7 +37,6 @@ from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import IMPORTING
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
-from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.table import Head, Table
 
@@ -383,7 +382,7 @@ class HomeScreen(PageScreen):
             table.empty = "No flights yet. a to add the first one"
             self._list(self._view.flights)
         self._moved()
-        self.query_one(KeyBar).follow()
+        self.follow_keys()
 
     def _show_day(self, shown: bool) -> None:
         """Show what a launch day is like below the first steps; mounted only there, since it delays the first rows."""

@@ -56,7 +56,6 @@ from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm, MappingLi
 from fieldkit.tui.imports.weather_file import ask_weather_file
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.hanging import stacked
 from fieldkit.tui.widgets.plots import Plot
@@ -224,7 +223,7 @@ class ImportScreen(PageScreen):
         path = table.current
         is_folder = path is None or path == PARENT_FOLDER or isdir(path)
         table.on_enter = "Open" if is_folder else "Import"
-        self.query_one(KeyBar).follow()
+        self.follow_keys()
         self._look = None
         self.query_one("#more", Static).update("")
         self.query_one(FilePanel).show(None, "")

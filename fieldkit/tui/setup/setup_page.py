@@ -37,7 +37,6 @@ from fieldkit.tui.setup.setup_lists import (
     settings_listed,
     sites_listed,
 )
-from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import HelpScreen
 from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
 from fieldkit.tui.widgets.line import Line
@@ -207,7 +206,7 @@ class SetupScreen(PageScreen):
         table = self.query_one(Table)
         table.on_enter, table.empty = ENTER[self._kind], EMPTY_LISTS[self._kind]
         table.show(heads, keys, cells, name=name)
-        self.query_one(KeyBar).follow()
+        self.follow_keys()
         self._beside()
 
     @on(Table.Moved)
