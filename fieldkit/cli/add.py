@@ -12,7 +12,6 @@ from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_colum
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, remark, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
-from fieldkit.cli.units import ask_units_once, note_units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.plausibility import doubts
@@ -72,7 +71,6 @@ def add(
             flight, filled = _as_built(ledger, flight, changes)
             _doubt(ledger, flight)
             _add(ledger, flight, filled, None, again=again)
-            note_units(changes.values())
         else:
             _add(ledger, *_from_answers(ledger, resume=resume), again=again)
 
@@ -128,7 +126,6 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, Collectio
     from fieldkit.importing.manual_entry import LIFT_OFF_MASS
     from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
 
-    ask_units_once()
     interactive = sys.stdin.isatty()
     conversation = Conversation(ledger, _ask_in_terminal if interactive else _read_from_pipe, interactive, MotorCheck())
     _resume_draft(conversation, ledger.draft(DRAFT), resume=resume)

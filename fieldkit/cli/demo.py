@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import typer
 
 from fieldkit.cli.screen import measured, print_table, progress, say, say_wrapped, system
-from fieldkit.cli.units import ask_units_once
 from fieldkit.errors import LedgerError
 from fieldkit.files import replace
 from fieldkit.quantities import ShownUnits
@@ -31,7 +30,6 @@ def demo(context: typer.Context) -> None:
     from fieldkit.motors import catalogue
     from fieldkit.services.demo import demo, new_ledger_file
 
-    ask_units_once()
     named = _named_ledger(context)
     new = new_ledger_file(named)
     with TemporaryDirectory(prefix="fieldkit-") as folder:

@@ -31,7 +31,6 @@ from fieldkit.cli.screen import (
     system,
 )
 from fieldkit.cli.session import MotorCheck, open_ledger
-from fieldkit.cli.units import ask_units_once
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
 from fieldkit.quantities import in_system
@@ -76,8 +75,6 @@ def predict(
     """Forecast the apogee of the next flight from the rocket's normal flights."""
     from fieldkit.services.forecast_record import forecast_record
 
-    if not json:
-        ask_units_once()
     check = MotorCheck()
     with open_ledger(context) as ledger:
         if flights is not None:

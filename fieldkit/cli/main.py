@@ -22,6 +22,7 @@ from typer.main import get_group
 from fieldkit.cli.metavars import name_values
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
+from fieldkit.cli.units import ask_units_once, in_terminal
 from fieldkit.errors import FieldkitError
 from fieldkit.plugins import trained_digests
 from fieldkit.quantities import in_system
@@ -89,6 +90,11 @@ EXPLAINED_ON = {command: page for page, commands in PAGES.items() for command in
 HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
 """The module of each command."""
 
+WITHOUT_UNITS = ("units", "docs")
+"""Commands that are answered before the units are chosen."""
+WITHOUT_QUESTIONS = frozenset({"--json", "--help", "-h"})
+"""Options whose answer is for a program, or the same in all units."""
+
 
 class OnDemand(Mapping[str, Any]):
     """The commands by name; a command's module is imported once, when it is first needed."""
@@ -130,6 +136,13 @@ class Commands(TyperGroup):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings | {"commands": OnDemand()})
+
+    def resolve_command(self, context: Any, arguments: list[str]) -> tuple[str | None, Any, list[str]]:
+        """The command that the arguments name, before which the units are asked for at the first start."""
+        found = super().resolve_command(context, arguments)
+        if found[0] not in WITHOUT_UNITS and WITHOUT_QUESTIONS.isdisjoint(arguments):
+            ask_units_once()
+        return found
 
 
 app = typer.Typer(
@@ -174,9 +187,10 @@ def options(
     """Forecast your rocket's next apogee from its altimeter readouts. Without a command, open the app."""
     context.obj = ledger
     if context.invoked_subcommand is None:
-        if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        if not in_terminal():
             typer.echo(context.get_help())
             raise typer.Exit
+        ask_units_once()
         open_app(ledger)
 
 

@@ -1,13 +1,12 @@
 """`fieldkit tui`, and `fieldkit` alone: the app. `fieldkit serve`: the same in a browser."""
 
 import os
-import sys
 from typing import Annotated
 
 import typer
 
 from fieldkit.cli.screen import complain
-from fieldkit.cli.units import ask_units_once
+from fieldkit.cli.units import in_terminal
 from fieldkit.errors import FieldkitError
 
 app = typer.Typer()
@@ -16,10 +15,8 @@ app = typer.Typer()
 def open_app(ledger: str | None) -> None:
     """Open the app on a ledger until the user quits. Raises FieldkitError without a terminal."""
     served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
-    if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
+    if not served and not in_terminal():
         raise FieldkitError("the app needs a terminal; the commands do the same: fieldkit --help")
-    if not served:
-        ask_units_once()
     from fieldkit.tui.memory import pause_collection
 
     pause_collection()

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Annotated
 
 import typer
@@ -13,8 +13,6 @@ from fieldkit.paths import settings_file
 from fieldkit.quantities import unit_of
 from fieldkit.settings import UNITS, change_settings, read_settings
 from fieldkit.spelled_units import spelled
-from fieldkit.typed_amounts import typed_amount, typed_in_two
-from fieldkit.units import CUSTOMARY_UNITS
 
 app = typer.Typer()
 EXAMPLES = ("apogee", "top_speed", "dry_mass", "diameter", "temperature", "pressure")
@@ -45,7 +43,7 @@ def units(
 
 def ask_units_once() -> None:
     """At the first start in a terminal, ask for the units and save the answer; Enter accepts the country's."""
-    if not (sys.stdin.isatty() and sys.stdout.isatty()) or settings_file().exists():
+    if not in_terminal() or settings_file().exists():
         return
     complain("Numbers can be shown in")
     for name in UNITS:
@@ -57,13 +55,9 @@ def ask_units_once() -> None:
     complain("To change them: fieldkit units, or N in the app")
 
 
-def note_units(typed: Iterable[str]) -> None:
-    """In a terminal, say how to see feet and ounces if such units are typed and none are chosen."""
-    if not sys.stderr.isatty() or settings_file().exists():
-        return
-    amounts = (typed_in_two(text) or typed_amount(text) for text in typed)
-    if any(one is not None and one.unit.casefold() in CUSTOMARY_UNITS | {"'", '"'} for one in amounts):
-        complain("note: results are in metric units; `fieldkit units US` shows feet and ounces")
+def in_terminal() -> bool:
+    """Whether somebody reads the output and can answer."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
 
 
 def usual_units(environment: Mapping[str, str]) -> str:

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.units import ask_units_once, note_units, usual_units
-from fieldkit.settings import change_settings
+from fieldkit.cli.units import ask_units_once, usual_units
 from tests.commands import Run
 
 CHECK_SHAPES = False
@@ -73,20 +72,16 @@ def test_nothing_is_asked_without_a_terminal(tmp_path: Path, monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    ("typed", "noted"),
-    [(["Lark", "923ft"], True), (["12'6\""], True), (["1lb 3oz"], True), (["281 m", "F24-4W", "in"], False)],
+    ("arguments", "asked"),
+    [(("flights",), 1), (("units",), 0), (("docs",), 0), (("flights", "--json"), 0), (("flights", "--help"), 0)],
 )
-def test_a_flyer_who_types_feet_reads_how_to_see_them(
-    typed: list[str],
-    noted: bool,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+def test_any_command_in_a_terminal_asks_for_the_units_once(
+    arguments: tuple[str, ...], asked: int, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
-    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    note_units(typed)
-    assert ("fieldkit units US" in capsys.readouterr().err) is noted
-    change_settings({"units": "mixed"})
-    note_units(typed)
-    assert not capsys.readouterr().err
+    prompts: list[str] = []
+    monkeypatch.setattr("fieldkit.cli.units.in_terminal", lambda: True)
+    monkeypatch.setattr("typer.prompt", lambda text, **_: prompts.append(text) or "us")
+    run(*arguments)
+    run(*arguments)
+    assert len(prompts) == asked
+    assert not asked or run("units", "--json").document["units"] == "US"
