@@ -16,6 +16,9 @@ app = typer.Typer()
 COMMAND_WIDTH = 76
 """Longest line of a command before its backslash. [character]"""
 
+LINK = r"\[([^]]+)\]\(([\w./-]+)(?:#[\w-]+)?\)"
+"""A link to another page, or to a file of the repository that is not installed: its text and its target."""
+
 
 def page_names(incomplete: str = "") -> list[str]:
     """Pages of the manual whose names begin with a text, in the order of its first page."""
@@ -65,8 +68,8 @@ def _readable(text: str) -> str:
     """A page with pictures replaced by what they show, links by the commands that print those pages, formulas as text,
     and with long commands continued on the next line so that they can be copied."""
     text = re.sub(r"^!\[([^]]*)\]\([^)]*\)$", r"*Picture: \1*", text, flags=re.MULTILINE)
-    text = re.sub(r"\(\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)\)", r"(\1: `fieldkit docs \2`)", text)
-    text = re.sub(r"\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)", r"\1 (`fieldkit docs \2`)", text)
+    text = re.sub(rf"\({LINK}\)", lambda link: f"({link[1]}: `{_place(link[2])}`)", text)
+    text = re.sub(LINK, lambda link: f"{link[1]} (`{_place(link[2])}`)", text)
     text = re.sub(
         r"^```math\n(.*?)^```",
         lambda block: f"```\n{formula_text(block[1])}\n```",
@@ -75,6 +78,12 @@ def _readable(text: str) -> str:
     )
     text = re.sub(r"^\*\*.*?\*\*", lambda head: head[0].replace("`", '"'), text, flags=re.MULTILINE)  # quoted messages
     return re.sub(r"^```sh\n.*?^```", lambda block: _continued(block[0]), text, flags=re.MULTILINE | re.DOTALL)
+
+
+def _place(target: str) -> str:
+    """What prints the target of a link, or the file that it is."""
+    page = Path(target)
+    return f"fieldkit docs {page.stem}" if target == f"{page.stem}.md" else f"docs/{target}"
 
 
 def _continued(block: str) -> str:

@@ -102,7 +102,7 @@ def quick_look(rocket: str, flown: Sequence[tuple[Flight, Found]], used_in_fit: 
         candidates,
         effect,
         confidence,
-        _because(effect, named),
+        _because(effect, confidence, named),
         tuple(also),
         before,
     )
@@ -122,7 +122,9 @@ def _verdict(found: EffectProbabilities) -> tuple[str, float]:
     return "none", found.none
 
 
-def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
+def _because(effect: str, confidence: float, named: Sequence[QuickCandidate]) -> str:
+    if effect == "none" and confidence <= NAMING_PROBABILITY:
+        return "something may be missing, but nothing is probable enough to name"
     if effect == "none":
         return "the flights match the model within their scatter"
     if effect == "unexplained":

@@ -182,7 +182,7 @@ def _unexplained(posterior: SetPosterior) -> str:
 
 def _nothing_named(posterior: SetPosterior) -> str:
     """Why nothing is named: nothing seems missing, or nothing is probable enough."""
-    if posterior.nothing >= 0.5:
+    if posterior.nothing > NAMING_PROBABILITY:
         return "the flights match the model within their scatter"
     why = "something may be missing, but nothing is probable enough to name"
     known = effects().keys() & posterior.inclusion.keys()
