@@ -246,14 +246,15 @@ def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
         return min((row for name, row in table.items() if name not in evidence.OWN), key=lambda row: float(row[2]))
 
     flights, median, crps = contest["fieldkit"]
-    own = f"in learning, {flights} flights: median error {median}%, CRPS {crps}%"
-    assert f"{own}, against {{1}}% and {{2}}% of the simple rule with the lowest CRPS".format(*best(contest)) in claims
+    own = f"Contest teams, {flights} flights: {median}% and {crps}% ("
+    assert f"{own}best simple rule {{1}}% and {{2}}%;".format(*best(contest)) in claims
+    assert "one simulation with a Cd of 0.6, {1}% and {2}%)".format(*contest["uncalibrated"]) in claims
     assert f"at 800 ft, half miss by less than {8 * float(median):.0f} ft" in claims
     flights, median, crps = journal["fieldkit"]
-    own = f"from his earlier ones, {flights}: {median}% and {crps}%"
-    assert f"{own}, against {{1}}% and {{2}}%".format(*best(journal)) in claims
+    own = f"One flyer's {flights} later flights: {median}% and {crps}% (rule"
+    assert f"{own} {{1}}% and {{2}}%)".format(*best(journal)) in claims
     assert reference["fieldkit"][0] == "7"
-    assert f"is better: CRPS {best(reference)[2]}% against {reference['fieldkit'][2]}%" in claims
+    assert f"Seven of a paper: CRPS {reference['fieldkit'][2]}% (rule {best(reference)[2]}%, so better)" in claims
 
 
 def test_the_verdicts_in_the_readme_are_those_of_the_page() -> None:
