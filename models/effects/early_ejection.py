@@ -19,7 +19,7 @@ EFFECT = Effect(
     explains="the ejection charge fires before apogee and the parachute ends the climb",
     unit="fraction of the rated delay",
     prior=Prior(mean=0.3, sd=0.2, low=0.1, high=0.9),
-    source="delays of certified motors vary by up to 20% or 1.5 s (NFPA 1125)",
+    source="delays of certified motors vary by up to 20% or 1.5 s, whichever is more, at most 3 s (NFPA 1125)",
     tell_apart="record apogee to ejection, or fly the same motor with a longer delay",
     setup=setup,
     per="motor",

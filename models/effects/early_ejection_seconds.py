@@ -18,7 +18,8 @@ EFFECT = Effect(
     explains="the ejection charge fires a few seconds early and the parachute ends the climb",
     unit="s",
     prior=Prior(mean=1.5, sd=1.0, low=0.4, high=8.0),
-    source="delays of certified motors vary by up to 20% or 1.5 s (NFPA 1125); adjustable ones are drilled in seconds",
+    source="delays of certified motors vary by up to 20% or 1.5 s, whichever is more, at most 3 s (NFPA 1125); "
+    "adjustable ones are drilled in seconds",
     tell_apart="record apogee to ejection, or fly motors with a short and with a long delay",
     setup=setup,
     per="motor",

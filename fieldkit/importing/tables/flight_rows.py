@@ -84,7 +84,7 @@ def are_mere_numbers(headings: Sequence[ColumnRole], table: Sequence[TableRow]) 
 
 
 def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Parsed]) -> list[Note]:
-    """A note for each column whose cells are kept as text in some rows, because they are not what its name promises."""
+    """A note for each column of whose cells some are saved as text, because they are not what its name promises."""
     notes = []
     for heading in headings:
         if not (heading.loose and heading.field):
@@ -99,7 +99,7 @@ def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Parsed]) -> lis
             cell = shown(kept[0].extra[heading.spelled])
             times = f", and {counted(len(kept) - 1, 'more cell')}" if len(kept) > 1 else ""
             column = printable(heading.spelled)
-            notes.append(Note(f"{column}: found {cell}{times}, expected {expected}: kept as text", kept[0].row))
+            notes.append(Note(f"{column}: found {cell}{times}, expected {expected}: saved as text", kept[0].row))
     return notes
 
 

@@ -289,7 +289,7 @@ class Rows:
         if self.too_much_damaged():
             yield Note("is not a table from here on, left out", row=self.last)
         if self.step > 1:
-            yield Note(f"found more than {MOST_NUMBERS} numbers, kept one row in {self.step}")
+            yield Note(f"found more than {MOST_NUMBERS} numbers, used one row in {self.step}")
 
 
 def _which(known: dict[str, int], cells: list[str]) -> Int[Integers, "row"]:
