@@ -45,7 +45,7 @@ def add(
     ] = None,
     timer_2_s: Annotated[
         str | None,
-        typer.Option("--timer-2-s", "--timer-2", metavar="S", help="What a second one did.", rich_help_panel=PANEL),
+        typer.Option("--timer-2-s", "--timer-2", metavar="S", help="What another one showed.", rich_help_panel=PANEL),
     ] = None,
     eggs: Annotated[str | None, typer.Option(help="2 intact, 1 cracked.", rich_help_panel=PANEL)] = None,
     again: Annotated[

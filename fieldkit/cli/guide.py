@@ -196,7 +196,7 @@ def _print(
     prediction, flight = choices[0].prediction, plan.flight
     name = " ".join(filter(None, (flight.rocket, flight.config)))
     say(f"{name}, {ShownUnits(system()).mass(prediction.plan.dry_mass or 0.0)} without the motor")
-    width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
+    width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:.3g} mm"
     fit = f"{len(choices) if choices[0].fits else 'none'} of {counted(of, 'motor')} of {width}"
     say(f"{fit} fit and are not excluded by a check" if choices[0].fits else f"{fit} fits: checks exclude every one")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
@@ -332,8 +332,8 @@ def _table(choices: "list[MotorChoice]", names: MotorNames, most: int) -> None:
         f"*: not flown by this rocket. shown: apogee on the altimeter, true: true apogee [{shown.length_unit}]. "
         f"rail, top: speed off the rail and top speed [{shown.speed(0.0).split()[1]}]. "
         "T:W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks. With "
-        "few simulations of each motor, apogees may be 3% off either way (in wind 7%), and the ends of the 90% 12%: "
-        "`fieldkit predict` has more."
+        "few simulations of each motor, apogees may be 3% off either way (in wind 7%), and the ends of the "
+        "90% interval 11%: `fieldkit predict` has more."
     )
 
 

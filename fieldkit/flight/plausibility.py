@@ -98,7 +98,7 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}
-    mass = f"{_mass(flight.dry_mass)} on {motor.designation}"
+    best = f"the most that {motor.designation} gives {_mass(flight.dry_mass)}"
     hardest = MAX_THRUST_RATIO * motor.peak_thrust / (flight.dry_mass + motor.casing_mass)
     bounds = {"top_speed": best_speed(flight.dry_mass, motor), "peak_accel": hardest, "avg_accel": hardest}
     found = {}
@@ -106,15 +106,16 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
         value, sd = flight.number(name), flight.sd.get(name, 0.0)
         if value is not None and value - 2 * sd > READ_TOO_HIGH * bound:
             column = BY_NAME[name]
-            found[name] = f"{of_column(column, value)} is more than {of_column(column, READ_TOO_HIGH * bound)}, {mass}"
+            found[name] = f"{of_column(column, value)} is more than {of_column(column, READ_TOO_HIGH * bound)}, {best}"
     burn, column = flight.number("burn_time"), BY_NAME["burn_time"]
     if burn is not None:
         first, last = motor.burning
         margin, whole = 2 * flight.sd.get("burn_time", 0.0), last - first
+        burns = f"{of_column(column, whole)} that {motor.designation} burns"
         if burn + margin < MIN_BURN_FRACTION * whole:
-            found["burn_time"] = f"{of_column(column, burn)} is less than half of {of_column(column, whole)}, {mass}"
+            found["burn_time"] = f"{of_column(column, burn)} is less than half of the {burns}"
         elif burn - margin > MAX_BURN_FRACTION * whole:
-            found["burn_time"] = f"{of_column(column, burn)} is more than twice {of_column(column, whole)}, {mass}"
+            found["burn_time"] = f"{of_column(column, burn)} is more than twice the {burns}"
     return {name: message(reason) for name, reason in found.items()}
 
 
