@@ -20,7 +20,7 @@ from typer.cli import get_docs_for_click
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from fieldkit.cli.main import app
+from fieldkit.cli.main import SUBJECTS, app
 from fieldkit.inference.network.ensemble import read_card
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
@@ -99,27 +99,8 @@ says which.
 
 
 COMMAND_PAGES = {
-    "commands-flights": (
-        "Commands for flights",
-        (
-            *("inspect", "import", "export", "mappings", "capture", "add", "flights", "show", "edit"),
-            *("tag", "untag", "remove", "compare", "remeasure", "weather"),
-        ),
-    ),
-    "commands-forecasts": (
-        "Commands for forecasts and the loop",
-        ("infer", "predict", "predictions", "loop", "model", "score", "report"),
-    ),
-    "commands-motors": ("Commands for motors", ("motors", "delay", "ballast", "simulate")),
-    "commands-planning": (
-        "Commands for a day, a field and a season",
-        ("landing", "track", "daysheet", "contest", "finals", "season", "ork", "sites", "kits", "flyer"),
-    ),
-    "commands-ledger": (
-        "Commands for the ledger and the program",
-        ("tui", "serve", "demo", "undo", "redo", "history", "backups", "units", "docs"),
-    ),
-    "commands-studies": ("Commands for studies", ("paper", "study", "learn", "train")),
+    f"commands-{name}": (f"Commands for {subject[0].lower()}{subject[1:]}", SUBJECTS[subject])
+    for name, subject in zip(("flights", "forecasts", "motors", "planning", "ledger", "studies"), SUBJECTS, strict=True)
 }
 """Pages of commands: title, and the commands in order."""
 EVERYWHERE = re.compile(

@@ -64,7 +64,23 @@ GROUPS = {
     "train": ("train",),
     "docs": ("docs",),
 }
-"""The commands of every module of `fieldkit.cli`, in the order in which `--help` lists them."""
+"""The commands of every module of `fieldkit.cli`."""
+SUBJECTS = {
+    "Flights": (
+        *("inspect", "import", "export", "mappings", "capture", "add", "flights", "show", "edit"),
+        *("tag", "untag", "remove", "compare", "remeasure", "weather"),
+    ),
+    "Forecasts and the loop": ("infer", "predict", "predictions", "loop", "model", "score", "report"),
+    "Motors": ("motors", "delay", "ballast", "simulate"),
+    "A day, a field and a season": (
+        *("landing", "track", "daysheet", "contest", "finals", "season", "ork", "sites", "kits", "flyer"),
+    ),
+    "The ledger and the program": ("tui", "serve", "demo", "undo", "redo", "history", "backups", "units", "docs"),
+    "Studies": ("paper", "study", "learn", "train"),
+}
+"""The commands by subject, in the order of `--help` and of the manual."""
+SUBJECT_OF = {command: subject for subject, commands in SUBJECTS.items() for command in commands}
+"""The subject of each command."""
 PAGES = {
     "app": ("tui", "serve"),
     "formats": ("inspect", "import"),
@@ -106,7 +122,7 @@ class OnDemand(Mapping[str, Any]):
         return self._read(HOMES[command])[command]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(HOMES)
+        return iter(SUBJECT_OF)
 
     def __len__(self) -> int:
         return len(HOMES)
@@ -118,6 +134,7 @@ def _module(name: str) -> Mapping[str, Any]:
     for title, command in commands.items():
         name_values(command)
         _join_lines(command)
+        command.rich_help_panel = SUBJECT_OF.get(title)
         if title in EXPLAINED_ON:
             command.epilog = f"In the manual: fieldkit docs {EXPLAINED_ON[title]}"
     return commands
