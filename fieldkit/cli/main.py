@@ -130,7 +130,7 @@ class OnDemand(Mapping[str, Any]):
 
 def _module(name: str) -> Mapping[str, Any]:
     """The commands of one module."""
-    commands = get_group(import_module(f"fieldkit.cli.{name}").app).commands
+    commands: Mapping[str, Any] = get_group(import_module(f"fieldkit.cli.{name}").app).commands
     for title, command in commands.items():
         name_values(command)
         _join_lines(command)
