@@ -1,15 +1,29 @@
 """Fast forecasts of the next flight from one linear pass, without a fit."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.plan import repeated
-from fieldkit.inference.history.quick_forecast import PreparedHistory, QuickAnswer, acting, answers, modeled, prepared
-from fieldkit.inference.history.response import respond
+from fieldkit.inference.history.linear_fit import PreparedFit
+from fieldkit.inference.history.quick_forecast import (
+    PreparedHistory,
+    QuickAnswer,
+    acting,
+    answers,
+    around_reference,
+    modeled,
+    posterior_center,
+    prepared,
+)
+from fieldkit.inference.history.response import off_reference, reference, respond
 from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found
 from fieldkit.physics.history import History, flown_and_planned, together
+from fieldkit.shapes import Array, Float
 
 BATCH = 50
 """Number of separate flights whose response is computed in one batch. [1]"""
@@ -60,26 +74,54 @@ def forecasts_at_once(
     groups_of_rows = [rows for rows in flown_or_new if rows]
     histories = [_history(flown, [plans[row] for row in rows]) for rows in groups_of_rows]
     fits = [modeled(history, shared) for history in histories]
-    response = respond(whole, {name for fit in fits for name in acting(fit)})
+    first = around_reference(_history(flown, [plans[groups_of_rows[0][0]]]), shared)
+    known_at = dict(zip(first.fit.model.names, posterior_center(first), strict=True))
+    places = [[*before, *(len(flown) + row for row in rows)] for rows in groups_of_rows]
+    centers = [_center(fit, known_at) for fit in fits]
     found: dict[int, QuickAnswer] = {}
-    for rows, history, fit in zip(groups_of_rows, histories, fits, strict=True):
-        ready = PreparedHistory(history, fit, response.part([*before, *(len(flown) + row for row in rows)]))
+    for rows, ready in zip(groups_of_rows, _simulated(whole, places, histories, fits, centers), strict=True):
         found |= dict(zip(rows, answers(ready, ready.flown), strict=True))
     return [found[row] for row in range(len(plans))]
+
+
+def _center(fit: PreparedFit, known: Mapping[TermName, float]) -> Float[Array, "term"]:
+    """The values of a fit's terms around which its flights are simulated: the `known` ones, else the reference."""
+    at = zip(fit.model.names, reference(fit.model), strict=True)
+    return np.array([known.get(name, usual) for name, usual in at])
+
+
+def _simulated(
+    whole: History,
+    places: Sequence[list[int]],
+    parts: Sequence[History],
+    fits: Sequence[PreparedFit],
+    centers: Sequence[Float[Array, "term"]],
+) -> list[PreparedHistory]:
+    """Several histories, at some `places` of a whole one, prepared around some values of their terms from one batch of
+    simulated flights."""
+    around: dict[str, Float[Array, "flight"]] = {}
+    for place, fit, center in zip(places, fits, centers, strict=True):
+        for kind, off in off_reference(fit.model, center).items():
+            around.setdefault(kind, np.zeros(len(whole.flights)))[place] = off
+    response = respond(whole, {name for fit in fits for name in acting(fit)}, around)
+    return [
+        PreparedHistory(part, fit, response.part(place), center)
+        for part, fit, place, center in zip(parts, fits, places, centers, strict=True)
+    ]
 
 
 def each_at_once(flown: FlownFlights, shared: Sequence[SharedPrior | None]) -> list[QuickAnswer]:
     """The answer for each single flight, of any rockets, with the plan to repeat it.
 
     `shared` is the information from the other rockets of each flyer. Flights are simulated in batches. Flights with an
-    anomaly tag are used like any other. Other arguments and errors as in `forecast_at_once`.
+    anomaly tag are used like any other. There is one pass, around the reference, because a second one makes no estimate
+    of drag better (`python -m bench.infer`). Other arguments and errors as in `forecast_at_once`.
     """
     found: list[QuickAnswer] = []
     for first in range(0, len(flown), BATCH):
         pairs = [_history([one], [(repeated(one[0]), one[1])]).using([True]) for one in flown[first : first + BATCH]]
         fits = [modeled(pair, own) for pair, own in zip(pairs, shared[first : first + BATCH], strict=True)]
-        response = respond(together(pairs), {name for fit in fits for name in acting(fit)})
-        for number, (pair, fit) in enumerate(zip(pairs, fits, strict=True)):
-            ready = PreparedHistory(pair, fit, response.part(slice(2 * number, 2 * number + 2)))
+        places = [[2 * row, 2 * row + 1] for row in range(len(pairs))]
+        for ready in _simulated(together(pairs), places, pairs, fits, [reference(fit.model) for fit in fits]):
             found += answers(ready, ready.flown, causes=False)
     return found

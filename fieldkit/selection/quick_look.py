@@ -14,7 +14,8 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plan import repeated
 from fieldkit.inference.history.effect_probabilities import EffectProbabilities, effect_probabilities, families
 from fieldkit.inference.history.evidence import Trials
-from fieldkit.inference.history.quick_forecast import PreparedHistory, QuickAnswer, acting, answers, modeled
+from fieldkit.inference.history.quick_forecast import PreparedHistory, QuickAnswer, acting, answers, centered, modeled
+from fieldkit.inference.history.response import reference
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
 from fieldkit.messages import estimate, message
@@ -93,7 +94,7 @@ def quick_look(rocket: str, flown: Sequence[tuple[Flight, Found]], used_in_fit: 
         for one in candidates
         if named and one not in named and one.probability > SIMILAR_ODDS * named[-1].probability
     ]
-    ready = PreparedHistory(history, ahead, found.response)
+    ready = centered(PreparedHistory(history, ahead, found.response, reference(ahead.model)))
     return QuickLook(
         rocket,
         int(seen.sum()),

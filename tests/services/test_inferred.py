@@ -7,9 +7,7 @@ import pytest
 from jaxtyping import config
 
 from fieldkit.flight import Flight
-from fieldkit.flight.plan import repeated
-from fieldkit.forecast.at_once import each_at_once, prepare_at_once
-from fieldkit.inference.history.quick_forecast import answers
+from fieldkit.forecast.at_once import each_at_once
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services.flight_facts import drag_facts
@@ -32,8 +30,7 @@ def test_flights_of_any_rockets_are_inferred_the_same_together_and_alone() -> No
     bare = ONE.with_changes(flight_id="3", rocket="Bare", motor="F39-6T", diameter=None)
     flights = list(zip((ONE, small, bare), motors, strict=True))
     for (flight, motor), estimate in zip(flights, each_at_once(flights, [None] * 3), strict=True):
-        ready = prepare_at_once([(flight, motor)], [(repeated(flight), motor)], [True])
-        (alone,) = answers(ready, ready.flown, causes=False)
+        (alone,) = each_at_once([(flight, motor)], [None])
         assert estimate.log_cd == pytest.approx(alone.log_cd, abs=1e-6)
         assert estimate.log_alpha == pytest.approx(alone.log_alpha, abs=1e-6)
 

@@ -9,11 +9,11 @@ from fieldkit.flight import Flight
 from fieldkit.inference.history.response import (
     IN_LOG,
     MAX_DRAG_OFFSET,
-    REFERENCE_LOG_DRAG,
     FlightResponse,
     drag_term,
     moved_at,
     part_of,
+    reference,
     tangent,
 )
 from fieldkit.inference.laplace.linearization import Tangent
@@ -133,21 +133,38 @@ def prepared_fit(model: Model, flown: int) -> PreparedFit:
 
 
 def linear_fit(
-    ready: PreparedFit, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
+    ready: PreparedFit,
+    data: Data,
+    response: FlightResponse,
+    *,
+    center: Float[Array, "term"] | None = None,
+    start: float = 0.0,
+    rounds: int = DRAG_ROUNDS,
 ) -> LinearFit:
-    """The posterior given the flown flights, those in `data`, with log drag moved from `start` to its
-    posterior mean in `rounds` steps; both relative to the reference of the response. [1]"""
+    """The posterior given the flown flights, those in `data`, with log drag moved to its posterior mean in `rounds`
+    steps, from `start` above that of the point `center` around which the response was simulated (by default the
+    reference), in the units of the terms."""
     model, past, flown = ready.model, ready.past, ready.flown
-    level, usual = drag_term(past), _usual_scales(past.hyperprior)
-    offset = start
-    for _ in range(rounds):  # the point of linearization hardly depends on the scales
-        near = tangent(model, moved_at(response, offset), offset)
-        mean = solve(past, data, part_of(near, slice(flown)), which=usual).mean[0, level]
-        offset = float(np.clip(mean - REFERENCE_LOG_DRAG, -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
+    center = reference(model) if center is None else center
+    level, offset = drag_term(past), start
+    for _ in range(rounds):
+        mean = usual_mean(ready, data, response, center, offset)
+        offset = float(np.clip(mean[level] - center[level], -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
     moved = moved_at(response, offset)
-    near = tangent(model, moved, offset)
+    near = tangent(model, moved, center, offset)
     fit = solve(past, data, part_of(near, slice(flown)))
     return LinearFit(model, flown, offset, near, fit, moved, ready.fresh)
+
+
+def usual_mean(
+    ready: PreparedFit, data: Data, response: FlightResponse, center: Float[Array, "term"], offset: float = 0.0
+) -> Float[Array, "term"]:
+    """The posterior mean at the medians of all scales, on which a point of linearization hardly depends, linear at a
+    log drag that is `offset` [1] above that of the `center`; in the units of the terms. Derivation: a Gauss-Newton
+    step."""
+    near = tangent(ready.model, moved_at(response, offset), center, offset)
+    usual = _usual_scales(ready.past.hyperprior)
+    return np.asarray(solve(ready.past, data, part_of(near, slice(ready.flown)), which=usual).mean[0])
 
 
 def _usual_scales(hyperprior: Hyperprior) -> Int[Integers, "1"]:

@@ -20,6 +20,11 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Term, apogee_scatter
 from fieldkit.shapes import Array, Float
 
+DRAWS = 1000
+"""Equally likely apogees of an answer. [1]"""
+MAX_LOG_APOGEE = float(np.log(1e5))
+"""Largest apogee of an answer. [log m]"""
+
 
 @dataclass(frozen=True, slots=True)
 class Moments:
@@ -52,6 +57,10 @@ class ApogeeMixture:
         normal, student = _standard_draws(self.tail, count)
         mean, known, own = (part[which, plan] for part in (self.mean, self.known, self.own))
         return np.asarray(mean + np.sqrt(known) * normal + np.sqrt(own) * student)
+
+    def apogees(self, plan: int) -> Float[Array, "draw"]:
+        """Equally likely apogees of a plan in ascending order. [m]"""
+        return np.asarray(np.exp(np.minimum(np.sort(self.draws(plan, DRAWS)), MAX_LOG_APOGEE)))
 
 
 def mixed_apogees(cases: Sequence[tuple[float, ApogeeMixture]]) -> ApogeeMixture:

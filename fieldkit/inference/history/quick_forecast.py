@@ -5,7 +5,7 @@ replace the simulations of a fit, and the scales of scatter are a few values, ov
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from fieldkit.inference.history.linear_fit import (
     linear_fit,
     prepared_fit,
     robust,
+    usual_mean,
 )
 from fieldkit.inference.history.moments import (
     FORECAST_READOUTS,
@@ -28,7 +29,7 @@ from fieldkit.inference.history.moments import (
     moments,
     readout_moments,
 )
-from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.inference.history.response import FlightResponse, off_reference, reference, respond
 from fieldkit.inference.history.usual_flights import Cases, with_one_offs
 from fieldkit.model.documents import with_documents
 from fieldkit.model.hyperprior import learned
@@ -40,10 +41,6 @@ from fieldkit.shapes import Array, Float
 
 MODEL = "field"
 """The name of the model behind a quick answer, as in a forecast of the fit."""
-MAX_LOG_APOGEE = float(np.log(1e5))
-"""Largest apogee of an answer. [log m]"""
-DRAWS = 1000
-"""Equally likely apogees of an answer. [1]"""
 NORMAL_95 = 1.6448536
 """The 95% quantile of the standard normal distribution. [1]"""
 
@@ -84,12 +81,13 @@ class QuickAnswer:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedHistory:
-    """The part of a history that does not change while readouts are typed: its model, and the response of its
-    flights."""
+    """The part of a history that does not change while readouts are typed: its model, and the response of its flights
+    around the values `center` of the model's terms, in their units."""
 
     history: History
     fit: PreparedFit
     response: FlightResponse
+    center: Float[Array, "term"]
 
     @property
     def flown(self) -> tuple[Flight, ...]:
@@ -112,29 +110,50 @@ def acting(fit: PreparedFit) -> frozenset[str]:
     return frozenset(term.name.quantity for term in every if isinstance(term.bends, Effect))
 
 
-def prepared(history: History, shared: SharedPrior | None = None) -> PreparedHistory:
-    """The part of a history that does not depend on its readouts; arguments and errors as in `modeled`."""
+def around_reference(history: History, shared: SharedPrior | None = None) -> PreparedHistory:
+    """A history simulated around the reference, for a first pass; arguments and errors as in `modeled`."""
     fit = modeled(history, shared)
-    return PreparedHistory(history, fit, respond(history, acting(fit)))
+    return PreparedHistory(history, fit, respond(history, acting(fit)), reference(fit.model))
+
+
+def prepared(history: History, shared: SharedPrior | None = None) -> PreparedHistory:
+    """The part of a history that does not depend on the readouts typed since. Arguments and errors as in `modeled`."""
+    return centered(around_reference(history, shared))
+
+
+def centered(first: PreparedHistory) -> PreparedHistory:
+    """A history linear around the posterior means of a first pass. Raises ImpossibleFlight for a flight without a dry
+    mass."""
+    model, center = first.fit.model, posterior_center(first)
+    response = respond(first.history, acting(first.fit), off_reference(model, center))
+    return replace(first, response=response, center=center)
+
+
+def posterior_center(first: PreparedHistory) -> Float[Array, "term"]:
+    """The posterior means of the terms that act on inputs of flown flights, and the reference values of the others, in
+    their units. Derivation: a Gauss-Newton step moves the point of linearization to the posterior mean."""
+    model, flown = first.fit.model, first.fit.flown
+    mean = usual_mean(first.fit, _data(first, first.flown), first.response, first.center)
+    moved = [
+        isinstance(term.bends, str) and term.bends not in OBSERVED_READOUTS and bool(term.weight[:flown].any())
+        for term in model.terms
+    ]
+    return np.where(moved, mean, reference(model))
 
 
 def answers(ready: PreparedHistory, flown: Sequence[Flight], *, causes: bool = True) -> list[QuickAnswer]:
     """The answer for each plan of a history, with the current readouts of its flown flights. Without `causes`, all are
     taken for usual flights of the rocket. Raises ImpossibleFlight for a flight without a dry mass.
     """
-    history, before = ready.history, ready.flown
-    read = ready.fit.model.once("readings", lambda: readings(before, history.found[: len(before)]))
-    if rows := [row for row, (now, then) in enumerate(zip(flown, before, strict=True)) if now is not then]:
-        read = read.changed(rows, readings([flown[row] for row in rows], [history.found[row] for row in rows]))
-    data = history_data(read, history.used_in_fit, ready.fit.model.hyperprior)
-    linear = robust(linear_fit(ready.fit, data, ready.response))
+    data = _data(ready, flown)
+    linear = _robust_fit(ready, data)
     cases = with_one_offs(linear) if causes else [(1.0, linear)]
     found = mixed_moments([(chance, moments(one)) for chance, one in cases])
     mixture = mixed_apogees([(chance, apogee_mixture(one)) for chance, one in cases])
     readouts = _readouts(cases)
     return [
         QuickAnswer(
-            np.exp(np.minimum(np.sort(mixture.draws(plan, DRAWS)), MAX_LOG_APOGEE)),
+            mixture.apogees(plan),
             (float(found.cd[plan]), float(found.cd_sd[plan])),
             (float(found.alpha[plan]), float(found.alpha_sd[plan])),
             float(found.correlation[plan]),
@@ -145,6 +164,19 @@ def answers(ready: PreparedHistory, flown: Sequence[Flight], *, causes: bool = T
         )
         for plan in range(len(found.cd))
     ]
+
+
+def _data(ready: PreparedHistory, flown: Sequence[Flight]) -> Data:
+    """The readouts of the flown flights; those of unchanged ones are read once."""
+    history, before = ready.history, ready.flown
+    read = ready.fit.model.once("readings", lambda: readings(before, history.found[: len(before)]))
+    if rows := [row for row, (now, then) in enumerate(zip(flown, before, strict=True)) if now is not then]:
+        read = read.changed(rows, readings([flown[row] for row in rows], [history.found[row] for row in rows]))
+    return history_data(read, history.used_in_fit, ready.fit.model.hyperprior)
+
+
+def _robust_fit(ready: PreparedHistory, data: Data) -> LinearFit:
+    return robust(linear_fit(ready.fit, data, ready.response, center=ready.center))
 
 
 def _readouts(cases: Cases) -> list[dict[str, tuple[float, float, float]]]:

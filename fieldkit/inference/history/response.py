@@ -10,6 +10,7 @@ Lagrange's polynomial (1795).
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -75,11 +76,16 @@ def secant(effect: Effect) -> tuple[float, ...]:
     return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN_FLIGHTS if effect.grows else 1.0), 1e-6, None)),)
 
 
-def respond(history: History, acting: Collection[str] | None = None) -> FlightResponse:
+def respond(
+    history: History,
+    acting: Collection[str] | None = None,
+    around: Mapping[str, Float[Array, "flight"]] = MappingProxyType({}),
+) -> FlightResponse:
     """The response of flights and plans to the `acting` effects, by default all, with coarse thrust curves and steps,
     from one batch of simulated flights.
 
-    Raises ImpossibleFlight for a flight without a dry mass.
+    `around` are the values of properties at which each flight is simulated, relative to the reference. Raises
+    ImpossibleFlight for a flight without a dry mass.
     """
     known = {name: effect for name, effect in effects().items() if acting is None or name in acting}
     count = len(history.flights)
@@ -94,6 +100,8 @@ def respond(history: History, acting: Collection[str] | None = None) -> FlightRe
             bends[kind][row] = step
     bends["opening"] += REFERENCE_OPENING
     bends["drag"] += REFERENCE_LOG_DRAG
+    for kind, own in around.items():
+        bends[kind] += own
     bends["drag"][:stepped] += np.repeat(DRAG_OFFSETS, len(each_drag))[:, None]
     values = np.zeros((placed + len(places), len(places)))
     values[placed:] = np.diag([value for _, value in places])
@@ -111,9 +119,9 @@ def respond(history: History, acting: Collection[str] | None = None) -> FlightRe
     there, back = (others[row] for row, (kind, _) in enumerate(at_middle) if kind == "delay")
     once["delay"] = (there - back) / (2 * DELAY_STEP)
     for name, effect in known.items():
-        own = [placed - stepped + row for row, (other, _) in enumerate(places) if other == name]
+        rows = [placed - stepped + row for row, (other, _) in enumerate(places) if other == name]
         size = 1.0 if effect.starts else secant(effect)[0]
-        once |= {started(name, number): others[row] / size for number, row in enumerate(own)}
+        once |= {started(name, number): others[row] / size for number, row in enumerate(rows)}
     return FlightResponse(tuple(moves), np.stack(list(moves.values())), tuple(once), np.stack(list(once.values())))
 
 
@@ -164,11 +172,31 @@ def slopes(
     return np.asarray(known[..., [kinds.index(kind) for kind in bends]] * weight[:, None])
 
 
-def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
-    """Values and derivatives for a model's terms at a log drag that differs from the reference by `offset` [1], from
-    the result of `moved_at`."""
+def reference(model: Model) -> Float[Array, "term"]:
+    """The values of a model's terms at the reference, in their units."""
     at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
-    at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
+    at[drag_term(model)] = REFERENCE_LOG_DRAG
+    return at
+
+
+def off_reference(model: Model, center: Float[Array, "term"]) -> dict[str, Float[Array, "flight"]]:
+    """How far properties of each flight are from the reference at the values `center` of a model's terms, for
+    `respond`; in the units of the terms."""
+    found: dict[str, Float[Array, "flight"]] = {}
+    for term, off in zip(model.terms, center - reference(model), strict=True):
+        if off:
+            kind = str(term.bends)
+            found[kind] = found.get(kind, np.zeros(len(term.weight))) + off * term.weight
+    return found
+
+
+def tangent(
+    model: Model, moved: Mapping[str, Float[Array, "flight readout"]], center: Float[Array, "term"], offset: float
+) -> Tangent:
+    """Values and derivatives for a model's terms at a log drag that differs by `offset` [1] from that of the point
+    `center` around which the flights were simulated, from the result of `moved_at`."""
+    at = center.copy()
+    at[drag_term(model)] += offset
     slope = slopes(model.terms, moved)
     scatter = [moved.get(kind.bends, np.zeros(moved[""].shape)) * kind.sd for kind in model.scatter]
     return Tangent(at, moved[""], slope, np.stack(scatter, axis=-1))

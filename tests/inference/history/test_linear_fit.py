@@ -25,6 +25,7 @@ from fieldkit.inference.history.response import (
     FlightResponse,
     moved_at,
     part_of,
+    reference,
     respond,
     tangent,
 )
@@ -112,7 +113,8 @@ def test_the_evidence_agrees_with_a_fit_that_includes_the_effect(linear: LinearF
     flown = slice(COUNT)
     for row, number in enumerate(trials.candidate):
         wider = linear.fit.model.with_terms(*(_part(term, flown) for term in found[number].terms))
-        near = part_of(tangent(linear.model.with_terms(*found[number].terms), linear.moved, linear.offset), flown)
+        wide = linear.model.with_terms(*found[number].terms)
+        near = part_of(tangent(wide, linear.moved, reference(wide), linear.offset), flown)
         gained = solve(wider, linear.fit.data, near).log_evidence - linear.fit.log_evidence
         assert trials.log_bayes[row] == pytest.approx(gained, abs=0.01), found[number].place
 
@@ -140,7 +142,8 @@ def test_the_evidence_beside_an_accepted_effect_is_that_of_both_minus_that_of_on
 
     def evidence(rows: list[int]) -> float:
         terms = [term for row in rows for term in found[trials.candidate[row]].terms]
-        near = part_of(tangent(model.with_terms(*terms), fixed.moved, fixed.offset), flown)
+        wide = model.with_terms(*terms)
+        near = part_of(tangent(wide, fixed.moved, reference(wide), fixed.offset), flown)
         return solve(past.with_terms(*(_part(term, flown) for term in terms)), fixed.fit.data, near).log_evidence
 
     assert beside[0, 1] == pytest.approx(evidence([0, 1]) - evidence([1]), abs=0.01)
