@@ -1,7 +1,7 @@
 """Add, replace, renew and remove flights in the tables."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from sqlalchemy import Connection, func, select
 
@@ -16,7 +16,7 @@ from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
 from fieldkit.ledger.records import Added, Conflict
 from fieldkit.ledger.rows import Row, agrees, differences, row_of, same, without_empty_numbers
-from fieldkit.ledger.tables import flights, tags
+from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights, tags
 
 
 class KnownFlights:
@@ -63,21 +63,35 @@ def lacks_files(stored: Flight, flight: Flight) -> bool:
 
 
 def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) -> Added:
-    """Add flights; see `Ledger.add`."""
-    known, conflicts, duplicates = KnownFlights(recorder.connection, [one.flight for one in incoming_flights]), [], 0
+    """Add flights, some at a time, as the rows of a long import fill the memory; see `Ledger.add`."""
     elsewhere = _by_log(recorder.connection, incoming_flights)
+    new: list[Identity] = []
+    conflicts: list[Conflict] = []
+    for start in range(0, len(incoming_flights), MAX_ROWS_BY_NAME):
+        rows, refused = _add_some(recorder, incoming_flights[start : start + MAX_ROWS_BY_NAME], elsewhere)
+        new += rows
+        conflicts += refused
+    names = ids(recorder.connection, new)
+    return Added(tuple(names.values()), len(incoming_flights) - len(new) - len(conflicts), tuple(conflicts))
+
+
+def _add_some(
+    recorder: ChangeRecorder,
+    incoming_flights: Sequence[IncomingFlight],
+    elsewhere: Mapping[tuple[str, str] | None, Flight],
+) -> tuple[list[Identity], list[Conflict]]:
+    """Add flights; returns the new ones and the conflicts, the others are duplicates."""
+    known, conflicts = KnownFlights(recorder.connection, [one.flight for one in incoming_flights]), []
     entry = recorder.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
     originals: dict[str, Original] = {}
     for incoming in incoming_flights:
         flight = incoming.flight
         if known.match(incoming):
-            duplicates += 1
-        elif (other := elsewhere.get(_log_identity(incoming))) and other.rocket != flight.rocket:
+            continue
+        if (other := elsewhere.get(_log_identity(incoming))) and other.rocket != flight.rocket:
             if flight.rocket or not agrees(other, incoming.given or {}):
                 conflicts.append(Conflict(incoming, _other_rocket(recorder.connection, other, flight)))
-            else:
-                duplicates += 1
         elif error := _objection(flight, known.named(flight.rocket, flight.flight_id)):
             conflicts.append(Conflict(incoming, error))
         else:
@@ -92,8 +106,8 @@ def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) ->
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
     recorder.insert(flights, rows)
     recorder.insert(tags, labels)
-    names = ids(recorder.connection, [(row["rocket"], row["flight_id"]) for row in rows])
-    return Added(tuple(names.values()), duplicates, tuple(conflicts))
+    recorder.seal()
+    return [(row["rocket"], row["flight_id"]) for row in rows], conflicts
 
 
 def _log_identity(incoming: IncomingFlight) -> tuple[str, str] | None:

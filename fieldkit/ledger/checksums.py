@@ -34,15 +34,10 @@ def checksum_of(document: Any) -> int:
     """CRC-32 of a document as JSON; a list, which may be that of a long import, is written element by element. [1]"""
     if not isinstance(document, list):
         return crc32(_AS_JSON(document).encode())
-    found = crc32(b"[")
-    for number, element in enumerate(document):
-        found = _with_element(found, number, element)
-    return crc32(b"]", found)
-
-
-def _with_element(found: int, number: int, element: Any) -> int:
-    """The checksum of a list so far, with one more element."""
-    return crc32((", " * (number > 0) + _AS_JSON(element)).encode(), found)
+    written = JsonList()
+    for element in document:
+        written.add_sum(element)
+    return written.checksum
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +52,39 @@ def as_json(document: Any) -> str:
     return document.text if isinstance(document, JsonText) else json.dumps(document)
 
 
-def as_json_list(documents: Iterable[Any]) -> tuple[JsonText, int]:
-    """The list of some documents as JSON, and its checksum; each document is used once and not kept."""
-    found, texts = crc32(b"["), ["["]
-    for number, one in enumerate(documents):
-        found = _with_element(found, number, one)
-        texts.append("," * (number > 0) + _WITHOUT_SPACES(one))
-    return JsonText("".join([*texts, "]"])), crc32(b"]", found)
+class JsonList:
+    """A list that is written as JSON while it is made: of a long import, the texts take half the memory of the rows."""
+
+    def __init__(self) -> None:
+        self._texts: list[str] = []
+        self._sum = crc32(b"[")
+        self._separated = False
+
+    def __bool__(self) -> bool:
+        return bool(self._texts)
+
+    @property
+    def checksum(self) -> int:
+        """As `checksum_of` the list. [1]"""
+        return crc32(b"]", self._sum)
+
+    def add_sum(self, element: Any) -> None:
+        """Count an element in the checksum only."""
+        self._sum = crc32((", " * self._separated + _AS_JSON(element)).encode(), self._sum)
+        self._separated = True
+
+    def extend(self, elements: Iterable[Any]) -> None:
+        """Add elements, which are not kept."""
+        texts = []
+        for one in elements:
+            self.add_sum(one)
+            texts.append(_WITHOUT_SPACES(one))
+        self._texts += [",".join(texts)] * bool(texts)
+
+    def close(self) -> JsonText:
+        """The whole list as JSON; it is released here."""
+        texts, self._texts = self._texts, []
+        return JsonText(f"[{','.join(texts)}]")
 
 
 def checked(row: Row) -> Row:

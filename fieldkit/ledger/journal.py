@@ -4,7 +4,7 @@ Undo and redo are journal entries too; which changes are in effect follows from 
 Entries are never modified.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -52,49 +52,63 @@ class Image:
         return Image(self.table, self.after, self.before)
 
 
+Key = tuple[Any, ...]
+"""A primary key."""
+
+
 class ChangeRecorder:
     """Changes rows and records their previous state; `sign` writes all of it to the journal."""
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
-        self.images: list[Image] = []
         self.number: int | None = None
         """The number of its entry in the journal, once it is signed."""
+        self._images = checksums.JsonList()
+        self._unsealed: dict[Table, set[Key]] = {}
+
+    @property
+    def has_changes(self) -> bool:
+        """Whether a row was changed."""
+        return bool(self._images)
 
     def insert(self, table: Table, rows: Sequence[Row]) -> None:
         """Add rows; a column that a row lacks is empty."""
         empty = dict.fromkeys(name for row in rows for name in row)
         for start in range(0, len(rows), MAX_ROWS_BY_NAME):
             self.connection.execute(insert(table), [empty | row for row in rows[start : start + MAX_ROWS_BY_NAME]])
-        self.images += [Image(table.name, None, row) for row in rows]
+        self._record(Image(table.name, None, row) for row in rows)
 
     def update(self, table: Table, key: Row, values: Row) -> None:
         """Change some columns of the row with a primary key."""
         changed = [table.c[name] for name in (*key, *values)]
         before = dict(self.connection.execute(select(*changed).where(_at(table, key))).mappings().one())
         self.connection.execute(update(table).where(_at(table, key)).values(**values))
-        self.images.append(Image(table.name, before, key | values))
+        self._record([Image(table.name, before, key | values)])
 
     def delete(self, table: Table, where: ColumnElement[bool]) -> None:
         """Delete rows."""
         gone = self.connection.execute(select(table).where(where)).mappings().all()
         self.connection.execute(delete(table).where(where))
-        self.images += [Image(table.name, _without_checksum(dict(row)), None) for row in gone]
+        self._record(Image(table.name, _without_checksum(dict(row)), None) for row in gone)
+
+    def _record(self, images: Iterable[Image]) -> None:
+        images = list(images)
+        for table, keys in _keys_by_table(images).items():
+            self._unsealed.setdefault(table, set()).update(keys)
+        self._images.extend([one.table, one.before, one.after] for one in images)
+
+    def seal(self) -> None:
+        """Update the checksums of the rows changed since the last time."""
+        while self._unsealed:
+            checksums.seal(self.connection, *self._unsealed.popitem())
 
     def sign(self, command: str, what: str) -> None:
         """Update the checksums of the rows changed so far, and enter the changes in the journal as one command."""
-        for table, keys in _keys_by_table(self.images).items():
-            checksums.seal(self.connection, table, keys)
-        images, total = checksums.as_json_list(_released(self.images))
-        self.number = _enter(self.connection, command=command, what=what, images=images, images_checksum=total)
-
-
-def _released(images: list[Image]) -> Iterator[list[Any]]:
-    """The images as documents, oldest first; each leaves the list, as those of a long import fill the memory."""
-    images.reverse()
-    while images:
-        image = images.pop()
-        yield [image.table, image.before, image.after]
+        self.seal()
+        total = self._images.checksum
+        self.number = _enter(
+            self.connection, command=command, what=what, images=self._images.close(), images_checksum=total
+        )
 
 
 def undo_step(connection: Connection) -> UndoStep:
@@ -191,9 +205,9 @@ def _enter(connection: Connection, **values: Any) -> int:
     return int(row["number"])
 
 
-def _keys_by_table(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:
+def _keys_by_table(images: Iterable[Image]) -> dict[Table, set[Key]]:
     """Primary keys of the changed rows that have a checksum; tags count as part of their flight's row."""
-    keys: dict[Table, set[tuple[Any, ...]]] = {}
+    keys: dict[Table, set[Key]] = {}
     for image in images:
         table = flights if image.table == tags.name else metadata.tables[image.table]
         row = image.before if image.after is None else image.after

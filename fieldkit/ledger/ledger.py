@@ -362,7 +362,7 @@ class Ledger:
         """Save the prediction of a planned flight; `what` names it in the history, and `undo` undoes it."""
         with self._changing() as recorder:
             kept = models.keep_plan(recorder, payload, digest, rocket, flight_id)
-            if recorder.images:
+            if recorder.has_changes:
                 recorder.sign("forecast", what)
         return kept
 

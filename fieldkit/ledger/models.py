@@ -49,7 +49,7 @@ def activate(recorder: ChangeRecorder, rocket: str, number: int | None) -> bool:
         recorder.delete(active_versions, active_versions.c.rocket == rocket)
     elif not stored[number]:
         _use(recorder, rocket, number)
-    return bool(recorder.images)
+    return recorder.has_changes
 
 
 def _use(recorder: ChangeRecorder, rocket: str, number: int) -> None:
