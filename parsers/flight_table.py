@@ -14,6 +14,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
+from functools import lru_cache, partial
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, read_tags
@@ -44,11 +45,10 @@ from fieldkit.importing.tables.flight_headings import (
     table_names,
 )
 from fieldkit.importing.tables.flight_rows import (
+    RowsBelow,
     TableRow,
     are_mere_numbers,
     cells_of,
-    is_blank,
-    last_row,
     left_out,
     units_in,
     unread_cells,
@@ -56,7 +56,7 @@ from fieldkit.importing.tables.flight_rows import (
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.layout import runs_like_a_log
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
-from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
+from fieldkit.importing.tables.text import decode, decode_whole, first_row, shown
 from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
 
@@ -64,6 +64,9 @@ MAX_COLUMNS = 500
 """Largest number of columns; fieldkit writes fewer than a hundred. [1]"""
 OF_SIMULATIONS = ("velocity off rod", "optimum delay", "ground hit velocity", "velocity at deployment")
 """Columns of OpenRocket's table of the simulations of a design."""
+MAX_REPEATED = 500
+"""Number of different cells of a column whose values are kept, in case they repeat. [1]"""
+_NOTHING_BESIDE: Mapping[str, str] = {}
 READOUT_NAMES = frozenset(column.name for column in READOUTS)
 
 
@@ -112,18 +115,14 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
         header_row, names = header_row - 1, list(bare)
     if choice is not None:
         names = renamed(names, choice, header_row)
-    table = [(row, cells) for row, cells in rows(text, separator) if row > header_row and not is_blank(cells)]
-    if table and not isinstance(table[0][1], DamagedLog) and (with_units := units_in(names, table[0][1])):
-        names, table = with_units, table[1:]
+    last_header = header_row
+    row, cells = next(iter(RowsBelow(text, separator, header_row)), (header_row, []))
+    if not isinstance(cells, DamagedLog) and (with_units := units_in(names, cells)):
+        names, last_header = with_units, row
+    table = RowsBelow(text, separator, last_header, width=len(names))
     headings = _headings(names, header_row, table, named=choice is not None)
-    if table and not text.endswith(("\n", "\r")):
-        table[-1] = last_row(*table[-1], len(headings))
-    mark = decimal_mark(_numbers(headings, table), separator)
-    columns = _columns(headings)
-    found: list[Parsed] = []
-    table.reverse()
-    while table:  # a row is released once it is read: the cells of a long table take more memory than its flights
-        found.append(_row(*table.pop(), headings, columns, mark, separator))
+    layout = _Layout(headings, decimal_mark(_numbers(headings, table), separator), separator)
+    found: list[Parsed] = [_row(row, cells, layout) for row, cells in table]
     found = [*unread_cells(headings, found), *found] or [Note("found a header and no flights", header_row)]
     if choice is None:
         return found
@@ -132,7 +131,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     return [Mapped(f"columns as chosen: {line}", header_row or None, kept, chosen=not choice.headers), *found]
 
 
-def _headings(names: Sequence[str], header_row: int, table: Sequence[TableRow], *, named: bool) -> list[ColumnRole]:
+def _headings(names: Sequence[str], header_row: int, table: Iterable[TableRow], *, named: bool) -> list[ColumnRole]:
     """The columns of a table, whose names are fieldkit's own if they were `named` by the flyer. Raises DamagedLog."""
     known_columns = beside_a_motor(names)
     headings = [
@@ -205,46 +204,42 @@ def _columns(headings: Sequence[ColumnRole]) -> dict[str, str]:
     return named | {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
 
 
-def _row(
-    row: int,
-    cells: list[str] | DamagedLog,
-    headings: Sequence[ColumnRole],
-    columns: Mapping[str, str],
-    mark: str,
-    separator: str,
-) -> Parsed:
+class _Layout:
+    """What the rows of a table share: its columns, and the values of the cells that repeat, which are kept once."""
+
+    def __init__(self, headings: Sequence[ColumnRole], mark: str, separator: str) -> None:
+        self.headings, self.mark, self.separator = headings, mark, separator
+        self.columns = _columns(headings)
+        self.values = [lru_cache(MAX_REPEATED)(partial(_value, heading=one, mark=mark)) for one in headings]
+
+
+def _row(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Parsed:
     """The flight of one row, the error in the row, or a note if it is no flight."""
-    note = None if isinstance(cells, DamagedLog) else left_out(row, cells, headings)
-    return note or _reading(row, cells, headings, columns, mark, separator)
+    note = None if isinstance(cells, DamagedLog) else left_out(row, cells, layout.headings)
+    return note or _reading(row, cells, layout)
 
 
-def _reading(
-    row: int,
-    cells: list[str] | DamagedLog,
-    headings: Sequence[ColumnRole],
-    columns: Mapping[str, str],
-    mark: str,
-    separator: str,
-) -> Reading | DamagedLog:
-    """The flight of one row, or the error in the row."""
+def _reading(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Reading | DamagedLog:
+    """The flight of one row, without its empty cells, or the error in the row."""
     if isinstance(cells, DamagedLog):
         return cells
+    headings, mark = layout.headings, layout.mark
     if any(cell.strip() for cell in cells[len(headings) :]):
         found = f"found {counted(len(cells), 'cell')}, expected at most {len(headings)}, one for each header"
-        hint = " (a decimal comma needs quotes around its number)" if separator == "," else ""
+        hint = " (a decimal comma needs quotes around its number)" if layout.separator == "," else ""
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}
     extra: dict[str, str] = {}
     known: dict[ReadoutColumn, object] = {}
     unread: list[DamagedLog] = []
-    for heading, cell in zip(headings, cells, strict=False):
+    for heading, cell, value in zip(headings, cells, layout.values, strict=False):
         try:
             if heading.repeats:
                 earlier = ((c, h) for h, c in zip(headings, cells, strict=False) if h.spelled == heading.repeats)
                 first = next(earlier, ("", heading))
                 _repeat(cell, heading, first, stated, mark)
             elif heading.field:
-                stated[heading.field] = _value(cell, heading, mark)
+                stated[heading.field] = value(cell)
             elif heading.beside:
                 known[heading.beside] = _value_beside(cell, heading, heading.beside, mark)
             elif cell.strip():
@@ -271,7 +266,8 @@ def _reading(
         return DamagedLog(str(error), row=row)
     if liftoff is not None and motor is not None and stated.get("dry_mass") is None:
         stated["dry_mass"], liftoff = liftoff - motor, None
-    return Reading(stated, extra, columns, row, liftoff_mass=liftoff)
+    stated = {name: value for name, value in stated.items() if value not in (None, "", ())}
+    return Reading(stated, extra or _NOTHING_BESIDE, layout.columns, row, liftoff_mass=liftoff)
 
 
 def _repeat(

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
     from fieldkit.importing.tables.columns_read import ColumnRead
 
+NO_EVENTS: Mapping[str, float] = {}
+"""The same for all readings, as a table may have 100,000."""
 HEAD = 65_536
 """Size of the beginning of a log that parsers use to recognize it. [bytes]"""
 
@@ -36,7 +38,7 @@ class Reading:
     describes: Literal["flight", "rocket", "simulation"] = "flight"
     rocket_key: str = ""
     series: Series | tuple[Series, ...] = ()
-    events: Mapping[str, float] = field(default_factory=dict)
+    events: Mapping[str, float] = field(default_factory=lambda: NO_EVENTS)
     device: str = ""
     firmware: str = ""
     serial: str = ""

@@ -6,7 +6,7 @@ from fieldkit import units
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Note, Parsed, Reading
 from fieldkit.importing.tables.flight_headings import ColumnRole, plain, stated_unit
-from fieldkit.importing.tables.text import shown
+from fieldkit.importing.tables.text import rows, shown
 from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 
@@ -51,12 +51,32 @@ def is_summary(cells: Sequence[str], headings: Sequence[ColumnRole]) -> bool:
     return bool(motors and first) and not any(motors) and first[0].rstrip(":.") in _SUMMARIES
 
 
-def is_blank(cells: list[str] | DamagedLog) -> bool:
+def _is_blank(cells: list[str] | DamagedLog) -> bool:
     """Whether all cells of a row are empty."""
     return not isinstance(cells, DamagedLog) and not any(cell.strip() for cell in cells)
 
 
-def last_row(row: int, cells: list[str] | DamagedLog, width: int) -> TableRow:
+class RowsBelow:
+    """The rows of a table below one of its rows, without blank ones; the last row of a file that ends within a line is
+    an error if it has fewer than `width` cells. They are read again each time, because the cells of a long table take
+    several times the memory of its text."""
+
+    def __init__(self, text: str, separator: str, row: int, width: int = 0) -> None:
+        self._text, self._separator, self._row = text, separator, row
+        self._width = 0 if text.endswith(("\n", "\r")) else width
+
+    def __iter__(self) -> Iterator[TableRow]:
+        last: TableRow | None = None
+        for row, cells in rows(self._text, self._separator):
+            if row > self._row and not _is_blank(cells):
+                if last:
+                    yield last
+                last = row, cells
+        if last:
+            yield _last_row(*last, self._width)
+
+
+def _last_row(row: int, cells: list[str] | DamagedLog, width: int) -> TableRow:
     """The last row of a file that ends within a line: an error if cells are missing."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
@@ -71,7 +91,7 @@ def cells_of(field: str, headings: Sequence[ColumnRole], table: Iterable[TableRo
             yield from (cell for heading, cell in zip(headings, cells, strict=False) if heading.field == field)
 
 
-def are_mere_numbers(headings: Sequence[ColumnRole], table: Sequence[TableRow]) -> bool:
+def are_mere_numbers(headings: Sequence[ColumnRole], table: Iterable[TableRow]) -> bool:
     """Whether the names of flights only number them: integers under a name such as `#`, which start at 1 in every file,
     or numbers that two flights of one rocket share. They do not identify a flight."""
     heading = next((one for one in headings if one.field == "flight_id"), None)
