@@ -232,14 +232,14 @@ def _reading(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Readin
     extra: dict[str, str] = {}
     known: dict[ReadoutColumn, object] = {}
     unread: list[DamagedLog] = []
-    for heading, cell, value in zip(headings, cells, layout.values, strict=False):
+    for heading, cell, value_of in zip(headings, cells, layout.values, strict=False):
         try:
             if heading.repeats:
                 earlier = ((c, h) for h, c in zip(headings, cells, strict=False) if h.spelled == heading.repeats)
                 first = next(earlier, ("", heading))
                 _repeat(cell, heading, first, stated, mark)
             elif heading.field:
-                stated[heading.field] = value(cell)
+                stated[heading.field] = value_of(cell)
             elif heading.beside:
                 known[heading.beside] = _value_beside(cell, heading, heading.beside, mark)
             elif cell.strip():
