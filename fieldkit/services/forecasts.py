@@ -237,7 +237,13 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
 
     A flight that is not in the ledger is the next one. Errors as in `predict_plans`.
     """
-    data, plan = rocket_of(ledger, motors, flight.rocket, but=flight), flight.unflown()
+    return from_others(rocket_of(ledger, motors, flight.rocket, but=flight), motors, flight)
+
+
+def from_others(data: RocketData, motors: Catalogue, flight: Flight) -> Prediction:
+    """The forecast of a flight from the other flights of its rocket, as `forecast_from_others`, from what is known of
+    the rocket. Raises UnknownMotor, ImpossibleFlight for a flight without a dry mass."""
+    plan = flight.unflown()
     history = list(data.history)
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
     turn = names.index(flight.flight_id) if flight.flight_id in names else len(names)

@@ -1,7 +1,8 @@
 """The contents of a flight card: figures in the user's units, forecast and flown, the log, the rocket's record."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 
 import numpy as np
@@ -11,10 +12,11 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
+from fieldkit.planning.forecasts import RocketData
 from fieldkit.progress import ReportProgress
 from fieldkit.quantities import ShownUnits, counted, weighed
 from fieldkit.services.findings import Findings
-from fieldkit.services.forecasts import forecast_from_others
+from fieldkit.services.forecasts import from_others, rocket_of
 from fieldkit.services.inferred import FlightInference, Inferred
 from fieldkit.services.replay import FlightRecordings
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
@@ -100,6 +102,7 @@ def cards(
     forecasts = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in rockets}
     records = {rocket: _record(ledger.flights(rocket)) for rocket in rockets}
     learned, recordings = _learned(ledger, flights, motors), FlightRecordings(ledger)
+    rocket = cache(lambda name: rocket_of(ledger, motors, name))
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         on_progress(flight_label(id), number / len(flights))
@@ -110,7 +113,7 @@ def cards(
             words = f"forecast {when} by model {one.made.payload.get('model', '')}"
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes_in(system))
         else:
-            forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight, system)
+            forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(rocket, motors, flight, system)
         trace, record = _trace(recordings, id), records[flight.rocket]
         found.append(
             Card(
@@ -146,10 +149,12 @@ def left_out(found: Findings, system: str) -> dict[tuple[str, str], CardForecast
     return known
 
 
-def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) -> CardForecast | None:
+def _afterwards(
+    rocket: Callable[[str], RocketData], motors: Catalogue, flight: Flight, system: str
+) -> CardForecast | None:
     """The forecast of a flight from the other flights, if none was saved before it."""
     try:
-        made = forecast_from_others(ledger, motors, flight)
+        made = from_others(rocket(flight.rocket), motors, flight)
     except FieldkitError:
         return None
     interval = made.apogee_quantiles()
