@@ -110,12 +110,15 @@ def _program() -> bytes:
 
 
 def _keep(file: Path, log: FlightLog) -> None:
-    """Keep measurements, and drop the oldest of too many. Raises FieldkitError, OSError."""
+    """Keep measurements, and drop others if they are too many: those whose names, which are digests, follow this one's.
+    If the oldest were dropped, a ledger with a few more logs than are kept would find none of them when it reads them
+    in order. Raises FieldkitError, OSError."""
     content = _written(log)
     replace(file, sha256(content).digest() + content)
-    dated = sorted((one.lstat().st_mtime, one) for one in file.parent.iterdir() if _OWN_NAME.fullmatch(one.name))
-    for _, old in dated[:-MAX_LOGS]:
-        old.unlink(missing_ok=True)
+    names = sorted(one.name for one in file.parent.iterdir() if _OWN_NAME.fullmatch(one.name))
+    after = names.index(file.name) + 1
+    for name in [*names[after:], *names[:after]][:-MAX_LOGS]:
+        file.with_name(name).unlink(missing_ok=True)
 
 
 def _kept(file: Path) -> FlightLog | None:

@@ -22,6 +22,8 @@ scatter, and what more flights could add is what every forecast says after "narr
 of the number. [1]"""
 MAX_LATEST_FLIGHTS = 30
 """How many of these are the latest; the others are of motors and configurations that these have least of. [1]"""
+MAX_EXCLUDED = 20
+"""Number of notes of one kind on what is excluded from fits; the others are counted. [1]"""
 MAX_NAMED_FLIGHTS = 5
 """Number of flights that a note names; it counts the others. [1]"""
 JudgedFlight = tuple[Flight, Found, str | None]
@@ -112,15 +114,21 @@ def _implausible_flights(judged: Sequence[JudgedFlight]) -> list[str]:
 
 def exclusions(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
     """Notes on what is excluded from every fit: a line for each implausible flight, one for each figure that flights of
-    a rocket lack, one for each readout that cannot be a measurement, and one for a rocket with too many flights. Only
-    clean flights are considered."""
+    a rocket lack, one for each readout that cannot be a measurement, at most `MAX_EXCLUDED` of each, and one for a
+    rocket with too many flights. Only clean flights are considered."""
     judged = _judged(flights, motors)
     return [
         *_older_flights(judged),
-        *_implausible_flights(judged),
+        *_first(_implausible_flights(judged)),
         *incomplete_flights(flights, motors),
-        *_excluded_readouts(judged),
+        *_first(_excluded_readouts(judged)),
     ]
+
+
+def _first(lines: Sequence[str]) -> list[str]:
+    """The first of many notes, and how many more there are."""
+    more = len(lines) - MAX_EXCLUDED
+    return [*lines[:MAX_EXCLUDED], *([f"and {counted(more, 'more note')} like these"] if more > 0 else [])]
 
 
 def _older_flights(judged: Sequence[JudgedFlight]) -> list[str]:

@@ -2,7 +2,9 @@
 
 import os
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -129,7 +131,7 @@ def test_a_flight_whose_place_in_its_file_changes_is_measured_again(ledger: Ledg
     assert the_same(flight_logs.flight_log(ledger, one), before[other])
 
 
-def test_the_oldest_of_too_many_are_dropped(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_some_of_too_many_are_dropped(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flight_logs, "MAX_LOGS", 1)
     shown(ledger)
     bring_in(ledger, [TWO_FLIGHTS], any_motor)
@@ -139,6 +141,22 @@ def test_the_oldest_of_too_many_are_dropped(ledger: Ledger, monkeypatch: pytest.
     flight_logs.flight_logs(ledger, ledger.flights())
     assert len(list(data_file("measured").iterdir())) == 2
     assert letter.exists()
+
+
+def test_most_logs_of_a_ledger_with_a_few_too_many_are_found_when_they_are_read_in_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(flight_logs, "MAX_LOGS", 50)
+    monkeypatch.setattr(flight_logs, "_written", lambda log: b"")
+    files = [tmp_path / sha256(bytes([number])).hexdigest() for number in range(60)]
+    missed = 0
+    for number in range(10 * len(files)):
+        file = files[number % len(files)]
+        if not file.exists():
+            missed += number >= len(files)
+            flight_logs._keep(file, cast(FlightLog, None))
+    assert missed < 9 * len(files) / 2
+    assert len(list(tmp_path.iterdir())) == 50
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes and links of Unix")

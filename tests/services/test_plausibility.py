@@ -32,7 +32,14 @@ from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.physics.history import history_of
-from fieldkit.services.plausible_flights import followed, incomplete_flights, outlying, without_delay
+from fieldkit.services.plausible_flights import (
+    MAX_EXCLUDED,
+    exclusions,
+    followed,
+    incomplete_flights,
+    outlying,
+    without_delay,
+)
 from fieldkit.units import STANDARD_GRAVITY
 from tests.commands import Output, Run
 
@@ -424,6 +431,13 @@ def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fi
     assert note in " ".join(run_command(rows=rows).err.split())
     for command in ("predict", "loop", "ballast"):
         assert note in " ".join(run_command(command, *FITS[command]).err.split()), command
+
+
+def test_of_very_many_excluded_flights_the_first_are_named_and_the_others_counted() -> None:
+    flight = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.31, diameter=0.066, apogee=5000.0)
+    lines = exclusions([flight.with_changes(flight_id=str(number)) for number in range(500)], catalogue())
+    assert len(lines) == MAX_EXCLUDED + 1
+    assert lines[-1] == f"and {500 - MAX_EXCLUDED} more notes like these"
 
 
 def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_one() -> None:
