@@ -1,6 +1,5 @@
 """`fieldkit contest`, `finals`: flights and plans scored by the rule of a season."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.planning.check import SafetyCheck
-    from fieldkit.planning.contest import Season
+    from fieldkit.planning.contest import Scored, Season
     from fieldkit.planning.outlook import Outlook
 
 app = typer.Typer()
@@ -182,7 +181,7 @@ takes_plan(contest)
 app.command()(contest)
 
 
-def _print_points(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> None:
+def _print_points(rule: "Season", scored: "Sequence[Scored]") -> None:
     """Print a line for each flight, with its points or why it has none."""
     from fieldkit.planning.contest_flight import why_no_score
 
@@ -190,8 +189,9 @@ def _print_points(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> N
     width = max(map(len, [" " * 8, *called]))
     for name, (flight, points) in zip(called, scored, strict=True):
         id = "" if name == flight.flight_id else f"  ({flight.flight_id})"
-        why = why_no_score(flight, rule.egg_count)
-        result = f"no score      {why}; counts as an attempt" if why else f"{points:6.2f} points  {_flown(flight)}"
+        result = f"no score      {why_no_score(flight, rule.egg_count)}; counts as an attempt"
+        if points is not None:
+            result = f"{points:6.2f} points  {_flown(flight)}"
         say(f"  {name:>{width}}  {result}{id}")
 
 
@@ -223,14 +223,14 @@ def _fraction(text: str | None, default: float) -> float:
     return fraction
 
 
-def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[str, Any]:
+def _document(rule: "Season", scored: "Sequence[Scored]") -> dict[str, Any]:
     """The rule, and every flight with its points."""
     from fieldkit.planning.contest_flight import judged_duration, why_no_score
 
     flights = [
         {
             "flight_id": flight.flight_id,
-            "points": None if math.isnan(points) else points,
+            "points": points,
             "no_score": why_no_score(flight, rule.egg_count),
             "timed": judged_duration(flight) is not None,
         }

@@ -99,7 +99,7 @@ def _infer(found: "Demo") -> None:
             f"{one.flight.flight_id} {one.flight.config}",
             one.flight.motor,
             measured("apogee", one.flight.apogee),
-            f"{one.cd:.2f} ± {one.cd_sd:.2f}",
+            "" if one.cd is None else f"{one.cd:.2f} ± {one.cd_sd:.2f}",
             f"{one.alpha:.2f} ± {one.alpha_sd:.2f}",
             ", ".join(one.flight.tags),
         )

@@ -1,7 +1,6 @@
 """`fieldkit infer`: drag and thrust of flights that were flown."""
 
 from enum import StrEnum
-from math import isfinite
 from typing import Annotated
 
 import typer
@@ -52,7 +51,7 @@ def infer(
             id,
             one.flight.motor,
             measured("apogee", one.flight.apogee),
-            *_without_nan(one.cd, one.cd_sd),
+            *("" if figure is None else f"{figure:.3f}" for figure in (one.cd, one.cd_sd)),
             f"{one.alpha:.3f}",
             f"{one.alpha_sd:.3f}",
         )
@@ -64,8 +63,3 @@ def infer(
             "Provisional, from each flight alone: half of the Cd are off by more than a tenth, either way; `fieldkit "
             "predict` fits a rocket's flights together"
         )
-
-
-def _without_nan(*figures: float) -> tuple[str, ...]:
-    """Figures with three decimals; empty for nan: Cd is unknown without a diameter."""
-    return tuple(f"{one:.3f}" if isfinite(one) else "" for one in figures)

@@ -3,7 +3,6 @@
 Source: the rules of each season, as its file names them with their reliability.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
@@ -193,8 +192,12 @@ def _limit(limits: Mapping[str, object], name: str, scale: float) -> float | Non
     return None if value is None else number(value, name) * scale
 
 
-def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:
-    """Flights with an apogee and their points, in the given order; nan for a flight without a score.
+Scored = tuple[Flight, float | None]
+"""A flight and its points; None without a score."""
+
+
+def score(rule: Season, flights: Sequence[Flight]) -> list[Scored]:
+    """Flights with an apogee and their points, in the given order.
 
     The altitude counts in whole feet, the duration as timed by two timers. Raises BadValue for a timer that is not a
     number.
@@ -202,15 +205,15 @@ def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]
     return [(flight, _points(rule, flight)) for flight in flights if flight.apogee is not None]
 
 
-def _points(rule: Season, flight: Flight) -> float:
+def _points(rule: Season, flight: Flight) -> float | None:
     if why_no_score(flight, rule.egg_count) or flight.apogee is None:
-        return math.nan
+        return None
     duration = judged_duration(flight)
     height = np.array(whole_feet(flight.apogee) * FOOT)
     return float(rule.points(height, np.array(np.nan if duration is None else duration)))
 
 
-def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: Sequence[str]) -> float:
+def declared_score(rule: Season, scored: Sequence[Scored], names: Sequence[str]) -> float:
     """The sum over the best of the declared flights, given by their ids. [1]
 
     A flight without a score counts as an attempt but never as one of the best. Raises BadValue for an invalid
@@ -222,12 +225,10 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
     if not rule.best <= len(set(names)) <= rule.declared:
         wanted = f"{rule.best} to {rule.declared} flights"
         raise BadValue(f"declared flights: found {len(set(names))}, expected {wanted} such as 4,5,6")
-    known = [points[name] for name in dict.fromkeys(names) if not math.isnan(points[name])]
+    known = [own for name in dict.fromkeys(names) if (own := points[name]) is not None]
     if len(known) < rule.best:
         without = [
-            f"{short_name(flight)} ({why_no_score(flight, rule.egg_count)})"
-            for flight, own in scored
-            if math.isnan(own)
+            f"{short_name(flight)} ({why_no_score(flight, rule.egg_count)})" for flight, own in scored if own is None
         ]
         reason = f"{', '.join(without)} have no score"
         raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {reason}")

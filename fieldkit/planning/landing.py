@@ -225,7 +225,7 @@ def rail_choices(plan: Plan, most: float) -> list[RailChoice]:
 
 
 def wind_that_holds(plan: Plan, size: float) -> float:
-    """Wind at the pad up to which 95% of landings stay on a field of this size [m] with the pad in its center: nan if
+    """Wind at the pad up to which 95% of landings stay on a field of this size [m] with the pad in its center: 0 if
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
     Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
@@ -239,7 +239,7 @@ def wind_that_holds(plan: Plan, size: float) -> float:
     if not off.size:
         return math.inf
     if off[0] == 0:
-        return math.nan
+        return 0.0
     around = slice(off[0] - 1, off[0] + 1)
     return float(np.interp(0.0, beyond[around], TRIED_WINDS[around]))
 

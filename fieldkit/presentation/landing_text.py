@@ -105,7 +105,7 @@ def _unknown_place(down: Landing, site: Site, shown: ShownUnits, holds: float | 
 
 def _held(wind: float, shown: ShownUnits) -> str:
     """The wind up to which landings stay on the field, as in `wind_that_holds`."""
-    if math.isnan(wind):
+    if not wind:
         return "fewer than 95% of landings are on it even in calm air"
     if math.isinf(wind):
         return f"95% of landings are on it in any wind up to {shown.speed(float(TRIED_WINDS[-1]))}"

@@ -1,6 +1,5 @@
 """A contest season as steps: what is done, what is missing, and the command or key that does it."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from shlex import quote
@@ -9,7 +8,7 @@ from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.messages import message
 from fieldkit.planning.check import BY_EYE
-from fieldkit.planning.contest import Season
+from fieldkit.planning.contest import Scored, Season
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.practice import Practice, PracticePlan
 from fieldkit.planning.quantiles import three_of_all
@@ -84,7 +83,7 @@ def _limits(guide: SeasonGuide, system: str) -> SeasonStep:
     return "rocket and motor", state, tuple(dict.fromkeys(texts))
 
 
-def _tests(scored: Sequence[tuple[Flight, float]], rule: Season, ways: SeasonWays) -> SeasonStep:
+def _tests(scored: Sequence[Scored], rule: Season, ways: SeasonWays) -> SeasonStep:
     timed = [flight for flight, _ in scored if judged_duration(flight) is not None]
     weighed = [flight for flight, _ in scored if flight.dry_mass is not None]
     texts = []
@@ -94,7 +93,7 @@ def _tests(scored: Sequence[tuple[Flight, float]], rule: Season, ways: SeasonWay
         texts.append(f"{len(scored) - len(timed)} without a time: time every flight with two watches")
     if len(weighed) < len(scored):
         texts.append(f"{len(scored) - len(weighed)} without a mass: no fit uses them")
-    best = min((points for _, points in scored if not math.isnan(points)), default=None)
+    best = min((points for _, points in scored if points is not None), default=None)
     if best is not None:
         texts.append(f"best of them by the rule of {rule.year}: {best:.1f}")
     return "test flights", f"{len(scored)} flown, {len(timed)} timed", tuple(texts)
@@ -156,9 +155,9 @@ def _qualification(guide: SeasonGuide) -> SeasonStep:
             texts.append(f"{name}: not among the flights of this rocket that have an apogee")
             continue
         flight, points = by_id[name]
-        why = why_no_score(flight, rule.egg_count)
-        texts.append(f"{short_name(flight)}: " + (f"no score, {why}" if why else f"{points:.2f}"))
-    known = sorted(points for name in declared if name in by_id and not math.isnan(points := by_id[name][1]))
+        own = f"no score, {why_no_score(flight, rule.egg_count)}" if points is None else f"{points:.2f}"
+        texts.append(f"{short_name(flight)}: {own}")
+    known = sorted(points for name in declared if name in by_id and (points := by_id[name][1]) is not None)
     if len(known) >= rule.best:
         texts.append(f"score so far: {sum(known[: rule.best]):.2f}")
     if scores is not None:

@@ -43,12 +43,12 @@ UNINFORMATIVE_SD_RATIO = 0.8
 class Inferred:
     """Cd and thrust scale of one flight, mean and standard deviation [1], and the model they come from.
 
-    `warnings` are the reasons to doubt them.
+    Without a diameter there is no Cd. `warnings` are the reasons to doubt them.
     """
 
     flight: Flight
-    cd: float
-    cd_sd: float
+    cd: float | None
+    cd_sd: float | None
     alpha: float
     alpha_sd: float
     model: str
@@ -184,7 +184,7 @@ def _doubted(flight: Flight, motors: Catalogue) -> str | None:
 
 
 def _with_answer(flight: Flight, answer: "QuickAnswer") -> Inferred:
-    cd, cd_sd = _log_normal(*answer.log_cd) if flight.diameter else (np.nan, np.nan)
+    cd, cd_sd = _log_normal(*answer.log_cd) if flight.diameter else (None, None)
     alpha, alpha_sd = _log_normal(*answer.log_alpha)
     return Inferred(flight, cd, cd_sd, alpha, alpha_sd, MODEL, warnings(flight, answer))
 

@@ -1,14 +1,12 @@
 """A contest season step by step, from the kit to the finals: what is done, what is missing, and what helps most."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.planning.check import SafetyCheck
-from fieldkit.planning.contest import Season, score
+from fieldkit.planning.contest import Scored, Season, score
 from fieldkit.planning.contest_day import Day
 from fieldkit.planning.contest_limits import allowed
 from fieldkit.planning.finals import finals_table, finals_targets, trials
@@ -32,8 +30,8 @@ class SeasonGuide:
     plan: Plan
     rule: Season
     day: Day
-    scored: Sequence[tuple[Flight, float]]
-    points: dict[str, float]
+    scored: Sequence[Scored]
+    points: dict[str, float | None]
     lines: Sequence[SafetyCheck]
     now: Setting
     practice: Practice
@@ -57,6 +55,6 @@ def season_guide(
     ahead = outlook(rule, ready, now.row.area)
     lines = [*safety(ahead.forecast, now.row.area), *allowed(rule, ready.flight, ready.found, day.length)]
     points = {flight.flight_id: own for flight, own in scored}
-    known = [own for name in day.declared if not math.isnan(own := points.get(name, math.nan))]
+    known = [own for name in day.declared if (own := points.get(name)) is not None]
     scores = final_scores(rule, known, ahead.points, max(rule.declared - len(day.declared), 0))
     return SeasonGuide(plan, rule, day, scored, points, lines, now, plans, ahead, scores)

@@ -375,7 +375,7 @@ def test_a_cracked_egg_is_an_attempt_without_a_score() -> None:
         Flight(flight_id="7", apogee=801 * FOOT, duration=38.0, tags=("disqualified",)),
     ]
     scored = score(rule, flights)
-    assert np.isnan([points for _, points in scored]).tolist() == [True, False, False, True]
+    assert [points is None for _, points in scored] == [True, False, False, True]
     assert declared_score(rule, scored, ["4", "5", "6"]) == pytest.approx(15.0)
     with pytest.raises(BadValue, match=r"found 1 with a score.*4 \(eggs: cracked\)"):
         declared_score(rule, scored, ["4", "6", "7"])
@@ -600,7 +600,7 @@ def test_counted_eggs_are_compared_with_the_number_of_their_season(year: int, eg
     rule, flight = season(year), Flight(apogee=240.0, duration=38.0, extra={"eggs": eggs})
     assert why_no_score(flight, rule.egg_count) == why
     ((_, points),) = score(rule, [flight])
-    assert np.isnan(points) == bool(why)
+    assert (points is None) == bool(why)
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,7 @@ def test_a_tagged_flight_is_inferred_like_any_other(ledger: Ledger) -> None:
 def test_without_a_diameter_there_is_thrust_but_no_cd(ledger: Ledger) -> None:
     bare = ONE.with_changes(diameter=None)
     (found,) = FlightInference(ledger, catalogue()).infer([bare]).inferred
-    assert np.isnan(found.cd)
+    assert found.cd is None
     assert 0.5 < found.alpha < 1.5
     drawn, in_inches = (drag_facts(bare, ledger, catalogue(), system) for system in ("SI", "US"))
     assert (drawn.drag_name, in_inches.drag_name) == ("drag area cm²", "drag area in²")

@@ -46,7 +46,7 @@ class FlightReport:
         if apogees:
             rows.append((shown.length(max(apogees)), "highest apogee"))
         rows.append((str(predicted), "forecast"))
-        if predicted:
+        if miss is not None:
             rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90%")]
         return tuple(rows)
 

@@ -190,7 +190,7 @@ def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> di
 
 def _drag_and_thrust(one: "Inferred") -> CardRows:
     thrust = ("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}")
-    if not np.isfinite(one.cd):
+    if one.cd is None:
         return (thrust,)
     return ("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}"), thrust
 
@@ -215,7 +215,7 @@ def _trace(recordings: FlightRecordings, id: str) -> HeightTrace | None:
     return HeightTrace(found.kind, climb.time, climb.height, climb.speed, events) if climb is not None else None
 
 
-def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
+def totals(cards: Sequence[Card]) -> tuple[int, float | None, int]:
     """For the cards with a saved prediction and an apogee: their number, the mean absolute error [m], and the number
     inside the interval."""
     scored = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
@@ -224,5 +224,5 @@ def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
         for one in scored
         if one.forecast
     )
-    miss = float(np.mean([abs(one.miss) for one in scored if one.miss is not None])) if scored else float("nan")
+    miss = float(np.mean([abs(one.miss) for one in scored if one.miss is not None])) if scored else None
     return len(scored), miss, inside

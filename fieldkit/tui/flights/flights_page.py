@@ -6,7 +6,6 @@ of the same configuration, and its climb.
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property, partial
-from math import isfinite
 from typing import Any, ClassVar
 
 from rich.cells import cell_len
@@ -236,7 +235,7 @@ class FlightsScreen(PageScreen):
 
     def _have_drag(self, found: list[tuple[FlightRow, Inferred]]) -> None:
         for row, one in found:
-            row.drag, row.thrust = one.cd if isfinite(one.cd) else None, one.alpha
+            row.drag, row.thrust = one.cd, one.alpha
         self.query_one(Table).refresh()
         self._beside()
         if not self._infer():

@@ -8,7 +8,6 @@ The landing of a plan: draws of its flight from the side, and their landings on 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import isfinite
 from typing import Any, Literal
 
 import numpy as np
@@ -333,9 +332,9 @@ class Decision:
         if not scored:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
-        per_flight = [(one, own) for one, own in last if isfinite(own)]
+        per_flight = [(one, own) for one, own in last if own is not None]
         alone = [short_name(one) for one, _ in per_flight if judged_duration(one) is None]
-        none = [f"{short_name(one)} ({why_no_score(one, rule.egg_count)})" for one, own in last if not isfinite(own)]
+        none = [f"{short_name(one)} ({why_no_score(one, rule.egg_count)})" for one, own in last if own is None]
         if per_flight:
             points = ", ".join(f"{short_name(one)}: {own:.0f}" for one, own in per_flight)
             yield f"  flights   {points} points by this rule"
