@@ -7,7 +7,7 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.paths import HOME
-from fieldkit.settings import change_settings
+from tests.lived_in import move_in
 from tests.samples import SAMPLES, owner
 
 CHECK_SHAPES = False
@@ -16,16 +16,8 @@ CHECK_SHAPES = False
 @pytest.fixture
 def lived_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The beginning of a command line, in a home with mappings of samples and of flights, a draft and US units."""
-    monkeypatch.setenv(HOME, str(tmp_path / "home"))
-    ledger = ["--ledger", str(tmp_path / "ledger.db")]
-    table = tmp_path / "odd.csv"
-    table.write_text("when,how high,craft\n2025-05-01T10:00,250,Law\n")
-    mapping = ["apogee=how high [m]", "rocket=craft", "date_time=when"]
-    assert main([*ledger, "import", str(table), *(part for one in mapping for part in ("--map", one))]) == 0
-    table.write_text("tick,up\n" + "".join(f"{n / 10},{max(0, n - 20)}\n" for n in range(100)))
-    main([*ledger, "inspect", str(table), "--map", "time=tick [s]", "--map", "altitude=up [ft]"])
-    change_settings({"units": "US"})
-    return ledger
+    move_in(tmp_path, monkeypatch)
+    return ["--ledger", str(tmp_path / "ledger.db")]
 
 
 def test_a_binary_file_is_refused_by_name_in_a_lived_in_home(
