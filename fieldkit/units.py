@@ -195,6 +195,8 @@ _SMALLER_UNIT = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
 """The unit that may follow a larger one, as in `12 ft 6 in`."""
 MIN_TYPED_VALUE, MAX_TYPED_VALUE = 1e-12, 1e30
 """Limits of the magnitude of a typed number other than zero, in SI."""
+LOOK_LIKE_DIGITS = re.compile(r"[oOlI\d.,]+")
+"""Letters that are typed for digits, as in `2.l4`; no unit consists of them."""
 
 
 @lru_cache(maxsize=1024)
@@ -269,7 +271,7 @@ def parse_difference(text: str, quantity: str, default: str) -> float:
 def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
     """A typed number and its unit. Raises BadValue if the text is not one."""
     typed = typed_amount(text)
-    if typed is None:
+    if typed is None or (LOOK_LIKE_DIGITS.fullmatch(typed.unit) and not named(quantity, typed.unit)):
         raise BadValue(f"found {text.strip()[:40]!r}, expected a number")
     scale = unit(quantity, typed.unit or default)
     return typed.signed(value_of(typed.digits, customary=plain(typed.unit or default) in CUSTOMARY_UNITS)), scale

@@ -101,7 +101,8 @@ def test_a_comma_with_two_meanings_is_not_guessed(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "ft", "1/0 in", "1 2 3", "1,2,3 ft", "1 ft 3 oz", "5 gr", "1.2.3", "12'6'7", "1/2/3", "--5", "5 %ft"]
+    "text",
+    ["", "ft", "1/0 in", "1 2 3", "1,2,3 ft", "1 ft 3 oz", "5 gr", "1.2.3", "12'6'7", "1/2/3", "--5", "5 %ft", "4o0"],
 )
 def test_a_text_that_is_no_number_is_rejected(text: str) -> None:
     with pytest.raises(BadValue, match="found "):

@@ -24,7 +24,8 @@ async def test_earlier_captures_and_known_loggers_are_listed(file: Path) -> None
     async with opened(file, (120, 36), page="serial") as pilot:
         text = shown(pilot)
         assert "2026-05-01.raw" in text
-        assert "10 bytes, INCOMPLETE" in text
+        assert "10 bytes," in text
+        assert "INCOMPLETE" in text
         assert "Eggtimer" in text
         assert "Plug in" in text
 

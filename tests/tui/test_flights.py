@@ -152,7 +152,7 @@ async def test_a_tall_terminal_shows_the_rocket_below_a_flight_without_a_log(fil
         await press(pilot, "enter")
         assert pilot.app.screen.query_one(RocketStrip).display
         assert "Astra B" in text_of(pilot, "RocketStrip Static")
-    async with opened(file, (250, 40)) as pilot:
+    async with opened(file, (250, 30)) as pilot:
         await press(pilot, "enter")
         assert not pilot.app.screen.query_one(RocketStrip).display
 
@@ -278,7 +278,7 @@ async def test_a_user_can_type_a_new_tag(file: Path) -> None:
 async def test_a_flight_is_edited_in_the_form_of_the_add_page_and_typos_are_questioned(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "enter", "e", *["down"] * 4, *typed("2o2"), "ctrl+s")
-        assert "✗ found the unit 'o2'" in words(pilot)
+        assert "✗ found '2o2', expected a number" in words(pilot)
         await press(pilot, "ctrl+u", *typed("900ft"), "up", *typed("2026-13-40"), "ctrl+s")
         assert "expected a date" in words(pilot)
         await press(pilot, "ctrl+u", *typed("2026-05-02"), "up", *typed("F24-W4"), "ctrl+s")

@@ -131,7 +131,7 @@ async def test_values_that_a_file_lacks_can_be_set_and_folders_browsed(file: Pat
         await press(pilot, "down", "enter", "down")
         assert "PerfectFlite" in words(pilot)
         await press(pilot, "e", *["down"] * 5, *typed("4o0"), "ctrl+s")
-        assert "found the unit 'o0'" in words(pilot)
+        assert "found '4o0', expected a number" in words(pilot)
         await press(pilot, "escape")
         assert "no rocket, no motor in the file" in text_of(pilot, "#preview")
         await press(pilot, "enter")

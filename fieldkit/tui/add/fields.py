@@ -113,7 +113,7 @@ class Form(HelpedModal[dict[str, object] | None]):
     Form { align: center middle; background: $backdrop; layers: base above; }
     Form > Vertical { width: 94%; max-width: 100; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
-    Form VerticalScroll { height: auto; max-height: 60vh; }
+    Form VerticalScroll { height: auto; max-height: 64vh; }
     Form.-low VerticalScroll { max-height: 40vh; }
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """

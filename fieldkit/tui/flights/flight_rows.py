@@ -18,8 +18,11 @@ from fieldkit.tui.widgets.table import Head
 WITH_FORECASTS, TIGHT = 98, 76
 """Minimum widths of a table with forecasts drawn next to all figures, and next to the most important ones: those on
 screens of 100 columns, and of 120 with the card beside it. [cell]"""
-MAX_ROCKET = 12
-"""Maximum width of a rocket's name where the date is written in full. [cell]"""
+MAX_ROCKET, MAX_TAGS = 12, 15
+"""Maximum widths of a rocket's name where the date is written in full, and of tags next to drawn forecasts: the longest
+tag that fieldkit knows. [cell]"""
+MIN_DRAWN = 10
+"""Minimum width of a drawn forecast. [cell]"""
 
 
 @dataclass(slots=True, eq=False)
@@ -79,11 +82,18 @@ def _date(form: str) -> Callable[[FlightRow, str], str]:
 
 
 def columns(
-    width: int, scale: HeightScale, system: str = "SI", *, beside: bool = False, rocket: int = MAX_ROCKET
+    width: int,
+    scale: HeightScale,
+    system: str = "SI",
+    *,
+    beside: bool = False,
+    rocket: int = MAX_ROCKET,
+    tags: int = 0,
 ) -> list[Shown]:
     """The columns that fit: narrow screens shorten the date, the rocket and the tags; with enough room, the forecast
     and the flown apogee are drawn on a scale; a narrow table `beside` the card of a flight has this instead of
-    alpha. `rocket` is the length of the longest rocket's name. [cell]"""
+    alpha if the tags leave room. `rocket` and `tags` are the lengths of the longest rocket's name and of the longest
+    tags. [cell]"""
     brief = beside and TIGHT <= width < WITH_FORECASTS
     wide, tight = width >= 134, width < TIGHT
     timed = width >= 108
@@ -100,7 +110,7 @@ def columns(
         ),
         Shown(
             "rocket",
-            14 if wide else 6 if tight else 8 if brief else 0 if width >= WITH_FORECASTS else fitted,
+            14 if wide else 6 if tight else min(fitted, 8) if brief else 0 if width >= WITH_FORECASTS else fitted,
             lambda r, _: r.flight.rocket,
             lambda r: r.flight.rocket.lower(),
         ),
@@ -139,10 +149,10 @@ def columns(
         ),
         Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
     ]
-    shown = [one for one in shown if not (brief and one.key == "alpha")]
-    left = width - sum(c.width + 1 for c in shown) - 2
-    fraction = 2 / 3 if brief else 2 / 5
-    return [*shown, _drawn(int(left * fraction), scale, system)] if brief or width >= WITH_FORECASTS else shown
+    drawn = [one for one in shown if one.key != "alpha"] if brief else shown
+    left = width - sum(one.width + 1 for one in drawn) - 2
+    room = left - max(len("tags") + 1, min(tags, MAX_TAGS)) if brief else int(left * 2 / 5)
+    return [*drawn, _drawn(room, scale, system)] if room >= MIN_DRAWN and (brief or width >= WITH_FORECASTS) else shown
 
 
 def _drawn(room: int, scale: HeightScale, system: str) -> Shown:

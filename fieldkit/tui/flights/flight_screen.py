@@ -63,8 +63,8 @@ def hills(flight: Flight, resources: Resources) -> Hills:
     return Hills(drawn, drag.warnings)
 
 
-MIN_LINES_FOR_ROCKET = 50
-"""Minimum height of a terminal that shows the rocket below a flight without a log. [cell]"""
+MIN_LINES_FOR_ROCKET = 34
+"""Minimum height of a wide terminal that shows the rocket below a flight without a log. [cell]"""
 EMPTY_WIDGETS = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
 """Widgets that are empty until the flight is read."""
 PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY_WIDGETS, "")
@@ -121,7 +121,9 @@ class FlightScreen(PageScreen):
     FlightScreen #all #doubts.-none { display: none; }
     FlightScreen #all Plot { height: 7; margin-bottom: 1; }
     FlightScreen.-tall #all Plot { height: 11; }
-    FlightScreen.-tall RocketStrip.-shown { display: block; }
+    FlightScreen.-wide.-unlogged #all { height: auto; max-height: 70%; }
+    FlightScreen.-wide RocketStrip { height: 1fr; max-height: 40; }
+    FlightScreen.-wide.-unlogged RocketStrip.-shown { display: block; }
     FlightScreen #all #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
         border-title-color: $foreground; }
     FlightScreen.-tall #all #log Plot { height: 22vh; min-height: 11; }

@@ -164,7 +164,7 @@ class FlightsScreen(PageScreen):
     FlightsScreen #filter { height: 1; }
     FlightsScreen #filter Static { width: auto; padding: 0 1; }
     FlightsScreen #filter Input { width: 1fr; height: 1; }
-    FlightsScreen #beside { width: 30%; min-width: 43; display: none; padding: 0 0 0 1; border: round $border-blurred;
+    FlightsScreen #beside { width: 30%; min-width: 40; display: none; padding: 0 0 0 1; border: round $border-blurred;
         border-title-color: $foreground; border-subtitle-color: $foreground; }
     FlightsScreen.-wide #beside { display: block; }
     """
@@ -244,9 +244,11 @@ class FlightsScreen(PageScreen):
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
         beside = self.has_class("-wide")
-        longest = max((cell_len(row.flight.rocket) for row in self._rows.values()), default=0)
+        flights = [row.flight for row in self._rows.values()]
+        rocket = max((cell_len(flight.rocket) for flight in flights), default=0)
+        tags = max((cell_len(" ".join(flight.tags)) for flight in flights), default=0)
         width, system = self.query_one(Table).size.width, self.resources.settings.units
-        return columns(width, self._scale, system, beside=beside, rocket=longest)
+        return columns(width, self._scale, system, beside=beside, rocket=rocket, tags=tags)
 
     def _sorted_by(self, shown: Sequence[Shown]) -> int:
         """The place of the column that determines the order; that of the date if the column does not fit."""

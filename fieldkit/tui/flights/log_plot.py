@@ -1,6 +1,8 @@
 """The log of a flight as plots: its channels against time, with a line at each event."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.services.coast_drag import CoastDrag
 from fieldkit.services.replay import recording_of
-from fieldkit.tui.widgets.plots import round_ticks, spaced
+from fieldkit.shapes import Array, Float
+from fieldkit.tui.widgets.plots import AXIS, round_ticks, spaced
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,14 +103,21 @@ def drawn(ledger: Ledger, id: str, system: str) -> Drawn | str:
 
 
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
-    """Draw a channel against the time of the whole log, with a line at each event and its name below, and round times
-    where there is room."""
+    """Draw a channel against the time of the whole log, its thrust, coast and descent in colors of their own, with a
+    line at each event and its name below, and round times where there is room."""
     first, last = span
     inside = {name: time for name, time in events.items() if first <= time <= last}
     low, high = min(trace.values), max(trace.values)
+    columns = np.linspace(first, last, max(2, ink.width - AXIS))
+    colors = ink.mark, ink.line, ink.text
+    for time, values, marker, fill in (
+        (columns, np.interp(columns, trace.time, trace.values), "░", True),  # a sample a column: dots take too long
+        (np.array(trace.time), np.array(trace.values), "braille", False),
+    ):
+        for color, part in phases(time, events, colors):
+            plt.plot(time[part].tolist(), values[part].tolist(), marker=marker, color=color, fillx=fill)
     for time in inside.values():
-        plt.plot([time, time], [low, high], marker="│", color=ink.mark)
-    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)  # over the lines, so that it is unbroken
+        plt.plot([time, time], [low, high], marker="│", color=ink.text)
     ends = {f"T+{last:.0f} s": last}
     named = sorted((time, event_title(name)) for name, time in {**inside, **ends}.items())
     seconds = [(time, f"{time:g}") for time in round_ticks(first, last, ink.width // 12)]
@@ -116,6 +126,19 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     plt.xlim(first, last)
     at = round_ticks(low, high, max(3, ink.height // 3))
     plt.yticks(at, [f"{value:7g}" for value in at])  # equal widths, so that times are aligned
+
+
+def phases(
+    time: Float[Array, "sample"], events: Mapping[str, float], colors: tuple[Any, Any, Any]
+) -> Iterator[tuple[Any, slice]]:
+    """The samples up to burnout, up to apogee and after it, each with its color; all of a log without these events are
+    of the coast."""
+    ends = np.searchsorted(time, [events.get("burnout", -inf), events.get("apogee", inf)], side="right")
+    start = 0
+    for color, end in zip(colors, (*ends.tolist(), len(time)), strict=True):
+        if end > start:
+            yield color, slice(start, end)
+            start = end
 
 
 def draw_drag(found: CoastDrag, plt: Any, ink: Any) -> None:

@@ -78,7 +78,7 @@ def ready_text(ready: Ready) -> Hanging:
     """The steps of a capture, earlier captures, and known devices."""
     blocks = [cards.lines("How to capture", list(STEPS), 2)]
     if ready.captures:
-        blocks.append(cards.lines("Earlier captures", list(ready.captures), 34))
+        blocks.append(cards.lines("Earlier captures", list(ready.captures), 26))
     blocks.append(cards.lines("Loggers that can be captured", list(ready.devices), 20))
     return stacked(blocks)
 
@@ -131,7 +131,12 @@ class CaptureScreen(PageScreen):
     CaptureScreen #big { width: 34; color: $accent; }
     CaptureScreen #state { width: 1fr; }
     CaptureScreen #heights { height: 1fr; }
-    CaptureScreen.-tall #ports { height: 12; }
+    CaptureScreen.-wide #body { layout: horizontal; }
+    CaptureScreen.-wide #ports { width: 1fr; height: 1fr; }
+    CaptureScreen.-wide #live { width: 1fr; }
+    CaptureScreen.-wide #ports, CaptureScreen.-wide #live { border: round $border-blurred;
+        border-title-color: $foreground; }
+    CaptureScreen.-wide #ports:focus { border: round $border; }
     """
 
     @dataclass
@@ -166,6 +171,7 @@ class CaptureScreen(PageScreen):
     def on_mount(self) -> None:
         """Focus the ports."""
         self.set_focus(self.query_one(Table))
+        self.query_one("#ports").border_title, self.query_one("#live").border_title = "Ports", "Capture"
         self._say("Enter to capture; every byte is saved before it is decoded")
 
     def on_unmount(self) -> None:

@@ -22,7 +22,6 @@ from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.presentation.fleet_text import in_words
 from fieldkit.presentation.loop_headline import headline
 from fieldkit.presentation.loop_text import report
-from fieldkit.presentation.one_off_text import likely_cause
 from fieldkit.progress import ReportProgress
 from fieldkit.quantities import percent
 from fieldkit.safe_text import printable
@@ -55,8 +54,8 @@ LOOP_HELP = Help(
         ),
         (
             "Flights",
-            "Flights that differ from the others of the rocket, with the likely cause. Enter or t tags one with it, "
-            "which leaves it out of every fit.",
+            "Every flight beside the others of the rocket, first those that differ, marked ! with the likely cause. "
+            "Enter or t tags one with it, which leaves it out of every fit.",
         ),
         (
             "Evidence",
@@ -370,8 +369,8 @@ class LoopScreen(PageScreen):
     @on(Table.Chosen, "#odd")
     def action_tag(self) -> None:
         """Accept the likely cause of the flight under the cursor as its tag."""
-        one = self.panels.query_one(SingleFlights).current
-        tag = "" if one is None else likely_cause(one)[1]
+        single = self.panels.query_one(SingleFlights)
+        one, tag = single.current, single.tag
         if one is None or not tag:
             self.show_notice("No flight with a likely cause to tag")
             return

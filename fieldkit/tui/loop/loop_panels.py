@@ -118,7 +118,7 @@ class HeadlinePanel(VerticalScroll):
     HeadlinePanel #after.-better { color: $success; }
     HeadlinePanel #after.-worse { color: $warning; }
     HeadlinePanel #step, HeadlinePanel #also, HeadlinePanel #fleet { margin-top: 1; }
-    HeadlinePanel Plot { height: 1fr; min-height: 12; max-height: 30; margin-top: 1; display: none;
+    HeadlinePanel Plot { height: 1fr; min-height: 9; max-height: 30; margin-top: 1; display: none;
         border-top: solid $border-blurred; border-title-color: $foreground; }
     """
 
@@ -351,7 +351,7 @@ class Panels(Container):
     def show_versions(self, standing: Standing, system: str) -> None:
         """Show the models of the rocket, and which is in use."""
         rows = version_rows(standing.versions, system)
-        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("held-out error", 18, True), Head("", 8)]
+        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("held-out error", 17, True), Head("", 8)]
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
 
     def front(self, panel: int) -> Widget | None:

@@ -21,6 +21,7 @@ from fieldkit.services.findings import Compared, Findings
 from fieldkit.services.model_versions import version_summary
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.plots import round_ticks
 
 MAX_BARS = 60
 """Number of latest flights whose errors are drawn: a row of 80 columns has room for them. [1]"""
@@ -197,9 +198,10 @@ def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt
     if ticks:
         plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
         plt.xlim(-0.5, len(ticks) - 0.5)
-    elif all(float(x).is_integer() for x in across):
-        first, last = int(min(across)), int(max(across))
-        plt.xticks(list(range(first, last + 1, max(1, math.ceil((last - first) / TICKS)))))
+        return
+    whole = all(float(x).is_integer() for x in across)
+    at = [one for one in round_ticks(min(across), max(across), TICKS) if one.is_integer() or not whole]
+    plt.xticks(at, [f"{one:g}" for one in at])
 
 
 PATTERN_P_VALUE = 0.05
@@ -210,8 +212,8 @@ LONGEST_BAR, FIGURE_CELLS = 5, 9
 """Longest bar to either side of zero, and the figure beside it with its spaces and the zero. [cell]"""
 FRAME_LINES = 4
 """Lines of a plot above and below its points: a frame, and labels. [cell]"""
-TICKS = 6
-"""Maximum number of labels below an axis of whole numbers, minus one. [1]"""
+TICKS = 7
+"""Maximum number of labels below an axis of numbers. [1]"""
 
 
 def _signed_bar(value: float, largest: float, most: int) -> str:

@@ -1,4 +1,4 @@
-"""Flights of a rocket that differ from the others: the miss, the likely cause, and a tag to accept by one key."""
+"""Every flight of a rocket beside the others, those that differ first: miss, likely cause, and a tag to accept."""
 
 from collections.abc import Iterable, Sequence
 
@@ -16,10 +16,12 @@ from fieldkit.tui.home.home_rows import signed
 from fieldkit.tui.widgets.table import Head, Table
 
 NONE_ODD = "No flight stands out from the others of its rocket."
+USUAL, TAGGED = "as the others", "tagged"
+"""The words for a flight without a likely cause, and for one that fits leave out."""
 
 
 class SingleFlights(Vertical):
-    """A row for each flight that may be a one-off, the most certain first; below, the one under the cursor in words."""
+    """A row for each flight, those that may be one-offs first; below, the one under the cursor in words."""
 
     DEFAULT_CSS = """
     SingleFlights Table { height: 1fr; min-height: 3; }
@@ -28,18 +30,25 @@ class SingleFlights(Vertical):
 
     def compose(self) -> Iterable[Widget]:
         """The table, and its current flight in words."""
-        yield Table(id="odd", empty=NONE_ODD, enter="Tag it")
+        yield Table(id="odd", empty="No flights to compare.", enter="Tag it")
         yield Static("", id="why")
 
     def show(self, found: Sequence[FlightBesideOthers], system: str) -> None:
         """Show flights beside the others of their rocket."""
         odd = odd_flights(found)
-        rows = {one.flight.flight_id: one for one in odd}
+        first = {one.flight.flight_id: one for one in odd}
+        rows = first | {one.flight.flight_id: one for one in found if one.flight.flight_id not in first}
 
         def cells(id: str) -> tuple[str, ...]:
             one = rows[id]
             miss = signed(one.miss, system) if one.miss == one.miss else ""
-            return (id, miss, percent(one.probability), *likely_cause(one))
+            usual = (USUAL, "") if one.flight.clean else (TAGGED, " ".join(one.flight.tags))
+            return (
+                id,
+                miss,
+                "!" * (id in first) + percent(one.probability),
+                *(likely_cause(one) if id in first else usual),
+            )
 
         heads = [Head("id", 5, tail=True), Head("miss", 7, True), Head("odd", 6, True), Head("likely", 0)]
         self.query_one(Table).show([*heads, Head("tag", 14)], list(rows), cells)
@@ -49,10 +58,10 @@ class SingleFlights(Vertical):
     def _moved(self) -> None:
         """Explain the flight under the cursor."""
         one = self.current
-        text = "" if one is None else why(one)
-        tag = "" if one is None else likely_cause(one)[1]
-        hint = f"\nEnter to tag it {tag}: fits then leave it out" if tag else ""
-        self.query_one("#why", Static).update(Content.assemble(printable(text), (hint, "b")))
+        none = "" if one is None or odd_flights(self.found) else f"{NONE_ODD}\n"
+        hint = f"\nEnter to tag it {self.tag}: fits then leave it out" if self.tag else ""
+        text = "" if one is None else printable(why(one))
+        self.query_one("#why", Static).update(Content.assemble((none, "b"), text, (hint, "b")))
 
     found: Sequence[FlightBesideOthers] = ()
 
@@ -61,6 +70,12 @@ class SingleFlights(Vertical):
         """The flight under the cursor."""
         key = self.query_one(Table).current
         return next((one for one in self.found if one.flight.flight_id == key), None)
+
+    @property
+    def tag(self) -> str:
+        """The tag of the likely cause of the flight under the cursor; empty unless it may be a one-off."""
+        one = self.current
+        return likely_cause(one)[1] if one is not None and odd_flights([one]) else ""
 
 
 def odd_flights(found: Sequence[FlightBesideOthers]) -> list[FlightBesideOthers]:

@@ -309,7 +309,11 @@ class Decision:
         """The saved forecasts of the rocket, the newest first, each marked if it is stale, with the reason."""
         found = list_forecasts(ledger, motors, self.plan.flight.rocket)
         if not found:
-            return Answer(("No saved forecasts of this rocket yet. Press Enter on the Fly page to save one.",))
+            fared = self.fared(ledger, motors)
+            none = "No saved forecasts of this rocket yet. Press Enter on the Fly page to save one."
+            return replace(
+                fared, words=(none, "As they would have been, from the flights before each:", "", *fared.words)
+            )
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             payload = one.made.payload

@@ -162,7 +162,8 @@ def of_motor(motor: Motor, system: str) -> Facts:
 
 
 def of_build(group: Group, system: str, design: Configuration | None, motors: Catalogue) -> Facts:
-    """A configuration of a rocket, with its design if known: drawing, mass, stability, motors by type, apogees."""
+    """A configuration of a rocket, with its design if known: drawing, mass, stability, motors by type, apogees. The
+    drawing is first, since a low strip shows nothing else."""
     flights, length = group.flights, design.length if design is not None else None
     pairs = [
         ("flights", _used(flights)),
@@ -180,7 +181,7 @@ def of_build(group: Group, system: str, design: Configuration | None, motors: Ca
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(draw_apogees, known, None, system) if len(known) > 1 else None
     drawn = (_side_view(group.last.diameter, design),) if group.last.diameter else ()
-    return Facts((cards.lines(" ".join(group.names), pairs), *drawn, flown), title, draw)
+    return Facts((*drawn, cards.lines(" ".join(group.names), pairs), flown), title, draw)
 
 
 def _used(flights: Sequence[Flight]) -> str:

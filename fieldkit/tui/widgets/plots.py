@@ -204,7 +204,11 @@ HEADROOM = 1.15
 
 
 class Canvas:
-    """Cells above an axis from `first` to `last`, to draw curves on whose heights are fractions of the highest one."""
+    """Cells above an axis from `first` to `last`, to draw curves on whose heights are fractions of the highest one.
+
+    A density takes 2 ms with it. With plotext it takes 19 ms, which every step through the motors would wait for, and
+    one curve makes holes in the area below another.
+    """
 
     def __init__(self, ink: Ink, first: float, last: float) -> None:
         self.ink, self.rows = ink, ink.height - 2
