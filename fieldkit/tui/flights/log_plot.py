@@ -108,16 +108,18 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     first, last = span
     inside = {name: time for name, time in events.items() if first <= time <= last}
     low, high = min(trace.values), max(trace.values)
-    columns = np.linspace(first, last, max(2, ink.width - AXIS))
     colors = ink.mark, ink.line, ink.text
-    for time, values, marker, fill in (
-        (columns, np.interp(columns, trace.time, trace.values), "░", True),  # a sample a column: dots take too long
-        (np.array(trace.time), np.array(trace.values), "braille", False),
-    ):
-        for color, part in phases(time, events, colors):
-            plt.plot(time[part].tolist(), values[part].tolist(), marker=marker, color=color, fillx=fill)
-    for time in inside.values():
-        plt.plot([time, time], [low, high], marker="│", color=ink.text)
+    columns = np.linspace(first, last, max(2, ink.width - AXIS))  # one sample a column: an area of dots takes too long
+    heights = np.interp(columns, trace.time, trace.values)
+    tall = np.abs(heights) > (high - low) / ink.height
+    for color, part in phases(columns, events, colors):
+        plt.scatter(
+            columns[part][tall[part]].tolist(), heights[part][tall[part]].tolist(), marker="░", color=color, fillx=True
+        )
+    for color, part in phases(np.array(trace.time), events, colors):
+        plt.plot(trace.time[part], trace.values[part], marker="braille", color=color)
+    for moment in inside.values():
+        plt.plot([moment, moment], [low, high], marker="│", color=ink.text)
     ends = {f"T+{last:.0f} s": last}
     named = sorted((time, event_title(name)) for name, time in {**inside, **ends}.items())
     seconds = [(time, f"{time:g}") for time in round_ticks(first, last, ink.width // 12)]

@@ -117,7 +117,8 @@ class CaptureScreen(PageScreen):
     ]
     DEFAULT_CSS = """
     CaptureScreen #ports { height: 8; }
-    CaptureScreen #live { height: 1fr; padding: 0 1; border-top: solid $border-blurred; }
+    CaptureScreen #live { height: 1fr; padding: 0 1; border-top: solid $border-blurred;
+        border-title-color: $foreground; }
     CaptureScreen #happened { height: auto; max-height: 4; scrollbar-size-vertical: 1; }
     CaptureScreen.-tall #happened { max-height: 8; }
     CaptureScreen #events { height: auto; }
@@ -134,8 +135,8 @@ class CaptureScreen(PageScreen):
     CaptureScreen.-wide #body { layout: horizontal; }
     CaptureScreen.-wide #ports { width: 1fr; height: 1fr; }
     CaptureScreen.-wide #live { width: 1fr; }
-    CaptureScreen.-wide #ports, CaptureScreen.-wide #live { border: round $border-blurred;
-        border-title-color: $foreground; }
+    CaptureScreen.-wide #ports, CaptureScreen.-wide #live { border: round $border-blurred; }
+    CaptureScreen #ports { border-title-color: $foreground; }
     CaptureScreen.-wide #ports:focus { border: round $border; }
     """
 

@@ -280,7 +280,7 @@ class Panels(Container):
     def show(self, found: Findings, system: str) -> None:
         """Show the findings."""
         self.found = found
-        self.show_flights(found.flights, system)
+        self.show_flights(found.flights or self.beside, system)
         self.show_verdict(system)
         self.show_residuals(0, system)
         self.show_marks(0)
