@@ -225,8 +225,7 @@ def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False, moto
             *implausible,
             *unused,
             *incomplete,
-            *_outlying(ledger, sorting.new, set(added.new), motors or catalogue()),
-            *_corrected(ledger, sorting.new, set(added.new)),
+            *_beside_others(ledger, sorting.new, set(added.new), motors or catalogue()),
         ),
         tuple(one.id for one in sorting.renewals),
         implausible,
@@ -249,35 +248,44 @@ def _excluded_readouts(incoming_flights: Sequence[IncomingFlight], motors: Catal
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 
-def _outlying(
+def _beside_others(
     ledger: "Ledger", incoming_flights: Sequence[IncomingFlight], added: set[str], motors: Catalogue
+) -> list[str]:
+    """Lines on the added flights compared with the others of their rockets, which are read once: those that are
+    outlying, then those that may be corrections."""
+    far: list[str] = []
+    corrected: list[str] = []
+    for rocket, new in _by_rocket(incoming_flights, added).items():
+        there = ledger.flights(rocket)
+        far += _outlying(rocket, there, new, motors)
+        corrected += _corrected(rocket, there, new)
+    return far + corrected
+
+
+def _outlying(
+    rocket: str, there: Sequence[Flight], new: Mapping[str, IncomingFlight], motors: Catalogue
 ) -> Iterator[str]:
-    """A line for each added flight that is far from the others of its rocket on the same motor."""
-    for rocket, new in _by_rocket(incoming_flights, added).items():
-        known = {flight.flight_id: flight for flight in ledger.flights(rocket)}
-        known |= {name: one.flight for name, one in new.items()}
-        for name, phrase in outlying(list(known.values()), new, motors):
-            one = new[name]
-            yield str(
-                DamagedLog(f"{flight_label(name)} of {rocket}: {phrase}; check it", row=one.row, source=one.source)
-            )
+    """A line for each new flight that is far from the others of its rocket on the same motor."""
+    known = {flight.flight_id: flight for flight in there} | {name: one.flight for name, one in new.items()}
+    for name, phrase in outlying(list(known.values()), new, motors):
+        one = new[name]
+        yield str(DamagedLog(f"{flight_label(name)} of {rocket}: {phrase}; check it", row=one.row, source=one.source))
 
 
-def _corrected(ledger: "Ledger", incoming_flights: Sequence[IncomingFlight], added: set[str]) -> Iterator[str]:
-    """A line for each added flight that differs in one column from an earlier one of its rocket and date, as a row of a
+def _corrected(rocket: str, there: Sequence[Flight], new: Mapping[str, IncomingFlight]) -> Iterator[str]:
+    """A line for each new flight that differs in one column from an earlier one of its rocket and date, as a row of a
     table without flight numbers does after it was corrected."""
-    for rocket, new in _by_rocket(incoming_flights, added).items():
-        before: dict[datetime, list[Flight]] = {}
-        for flight in ledger.flights(rocket):
-            if flight.date_time and flight.flight_id not in new:
-                before.setdefault(flight.date_time, []).append(flight)
-        for name, one in new.items():
-            for old in before.get(one.flight.date_time, []) if one.flight.date_time else []:
-                changed = _differing(old, one.flight)
-                if len(changed) == 1:
-                    text = f"{flight_label(name)} of {rocket} differs from {flight_label(old.flight_id)} only in "
-                    text += f"{changed[0]}; if it is a correction, remove {old.flight_id}"
-                    yield str(DamagedLog(text, row=one.row, source=one.source))
+    before: dict[datetime, list[Flight]] = {}
+    for flight in there:
+        if flight.date_time and flight.flight_id not in new:
+            before.setdefault(flight.date_time, []).append(flight)
+    for name, one in new.items():
+        for old in before.get(one.flight.date_time, []) if one.flight.date_time else []:
+            changed = _differing(old, one.flight)
+            if len(changed) == 1:
+                text = f"{flight_label(name)} of {rocket} differs from {flight_label(old.flight_id)} only in "
+                text += f"{changed[0]}; if it is a correction, remove {old.flight_id}"
+                yield str(DamagedLog(text, row=one.row, source=one.source))
 
 
 def _differing(one: Flight, other: Flight) -> list[str]:
