@@ -205,6 +205,21 @@ def test_a_log_is_one_flight_with_and_without_a_rocket(ledger: Ledger) -> None:
     assert added("Bob", given=False).new == ("Bob/flight-1",)
 
 
+def test_flights_that_are_added_some_at_a_time_are_one_change_and_compared_with_each_other(
+    ledger: Ledger, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fieldkit.ledger.book.MAX_ROWS_BY_NAME", 2)
+    other = FIRST.with_changes(rocket="Cirrus")
+    added = ledger.add([FIRST, SECOND, other, SECOND, FIRST.with_changes(apogee=270.0), FIRST])
+    assert (added.new, added.duplicates, len(added.conflicts)) == (("Astra/1", "2", "Cirrus/1"), 2, 1)
+    there = ledger.flights()
+    assert len(ledger.history()) == 1
+    ledger.undo()
+    assert not ledger.flights()
+    ledger.redo()
+    assert ledger.flights() == there
+
+
 def test_two_flights_with_one_name_in_a_table_are_a_duplicate_or_a_conflict(ledger: Ledger) -> None:
     added = ledger.add([FIRST, FIRST, FIRST.with_changes(apogee=1.0)])
     assert (len(added.new), added.duplicates, len(added.conflicts)) == (1, 1, 1)
