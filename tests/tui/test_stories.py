@@ -242,8 +242,11 @@ async def test_a_flight_that_stands_out_is_tagged_with_its_likely_cause_by_one_k
     async with opened(file, (120, 36), page="loop") as pilot:
         off = r"Flight 4 flew \d\d% low: scatter, or with a chance of \d\d% extra drag"
         assert re.search(off, text_of(pilot, "#why"))
+        assert shown(pilot).count("as the others") > 2, "flights that do not stand out are listed too"
         await press(pilot, "t", "_")
         assert "Tagged flight 4 extra_drag" in notice(pilot)
+        assert re.search(r" 4 .* tagged +extra_drag", shown(pilot))
+        assert "Tag it" not in shown(pilot)
     with Ledger.open(file) as ledger:
         assert ledger.flight("4").tags == ("extra_drag",)
 

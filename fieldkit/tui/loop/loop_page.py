@@ -6,7 +6,7 @@ The help of the Loop page: what its panels mean.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -384,10 +384,14 @@ class LoopScreen(PageScreen):
         self.change(work, partial(self._tagged, tag))
 
     def _tagged(self, tag: str, id: str) -> None:
-        """Take the flight from the list; the findings stay, although they were made with it."""
+        """Show the flight as tagged; the findings stay, although they were made with it."""
         self._tagging = True
-        rest = [one for one in self.panels.query_one(SingleFlights).found if one.flight.flight_id != id.split("/")[-1]]
-        self.panels.show_flights(rest, self.resources.settings.units)
+        name = id.split("/")[-1]
+        found = [
+            replace(one, flight=one.flight.with_changes(tags=(tag,))) if one.flight.flight_id == name else one
+            for one in self.panels.beside
+        ]
+        self.panels.show_flights(found, self.resources.settings.units)
         self.show_change(f"Tagged {flight_label(id)} {tag}: fits leave it out. S to search again, u to undo")
 
     @on(Table.Chosen, "#versions")

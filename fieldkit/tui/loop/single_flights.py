@@ -30,7 +30,7 @@ class SingleFlights(Vertical):
 
     def compose(self) -> Iterable[Widget]:
         """The table, and its current flight in words."""
-        yield Table(id="odd", empty="No flights to compare.", enter="Tag it")
+        yield Table(id="odd", empty="No flights to compare.", enter="")
         yield Static("", id="why")
 
     def show(self, found: Sequence[FlightBesideOthers], system: str) -> None:
@@ -58,6 +58,8 @@ class SingleFlights(Vertical):
     def _moved(self) -> None:
         """Explain the flight under the cursor."""
         one = self.current
+        self.query_one(Table).on_enter = "Tag it" if self.tag else ""
+        self.screen.refresh_bindings()
         none = "" if one is None or odd_flights(self.found) else f"{NONE_ODD}\n"
         hint = f"\nEnter to tag it {self.tag}: fits then leave it out" if self.tag else ""
         text = "" if one is None else printable(why(one))
