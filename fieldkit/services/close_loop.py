@@ -25,6 +25,7 @@ from fieldkit.services.findings import Findings, findings, next_flight
 from fieldkit.services.flight_logs import flight_logs
 from fieldkit.services.forecasts import accepted_average, assumed_of, flown
 from fieldkit.services.plausible_flights import exclusions
+from fieldkit.services.quick_look import MIN_FLIGHTS
 
 SAME_PROBABILITY = 0.01
 """Two averages are the same if their probabilities differ by less than this. [1]"""
@@ -47,17 +48,17 @@ def diagnosis_of(
     """
     history = flown_and_planned(flown(ledger, motors, rocket))
     used_in_fit = [flight.clean and flight.apogee is not None for flight in history.flights]
-    if sum(used_in_fit) < 4:
+    if sum(used_in_fit) < MIN_FLIGHTS:
         raise NoFlights(
             f"{rocket}: found {counted(sum(used_in_fit), 'normal flight')} with an apogee, "
-            "expected at least 4 to close the loop"
+            f"expected at least {MIN_FLIGHTS} to close the loop"
         )
     history = history.using(used_in_fit)
     model, data = rocket_model(history), observe(history)
-    if (count := int(data.seen[:, 0].sum())) < 4:
+    if (count := int(data.seen[:, 0].sum())) < MIN_FLIGHTS:
         raise NoFlights(
             f"{rocket}: found {counted(count, 'normal flight')} with an apogee that says anything of it, "
-            "expected at least 4 to close the loop"
+            f"expected at least {MIN_FLIGHTS} to close the loop"
         )
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
     forces = logged_forces(model, flight_logs(ledger, clean, part(on_progress, 0.0, 0.2)))

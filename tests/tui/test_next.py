@@ -443,6 +443,7 @@ async def test_too_few_flights_for_the_loop_give_a_notice(tmp_path: Path, monkey
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
     async with opened(tmp_path / "ledger.db", page="loop") as pilot:
+        assert "A search needs 4 normal flights with an apogee; Comet has 1." in words(pilot)
         await press(pilot, "D")
         assert "Nothing to decline yet" in words(pilot)
         await press(pilot, "S")

@@ -23,6 +23,7 @@ from fieldkit.presentation.loop_headline import Headline, compared_bars, headlin
 from fieldkit.quantities import in_system, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
+from fieldkit.services.quick_look import MIN_FLIGHTS
 from fieldkit.tui.loop.loop_look import FRONT, PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
     draw_points,
@@ -336,7 +337,9 @@ class Panels(Container):
     def show_before(self, standing: Standing, system: str) -> None:
         """Show what a search would compare and the effects that it would try, until one runs."""
         if self.found is None:
-            about = self._why or TEXT_BEFORE_RUN["verdict"]
+            usable = sum(flight.clean and flight.apogee is not None for flight in standing.flights)
+            few = f"A search needs {MIN_FLIGHTS} normal flights with an apogee; {standing.rocket} has {usable}."
+            about = self._why or (printable(few) if usable < MIN_FLIGHTS else TEXT_BEFORE_RUN["verdict"])
             self.headline.wait(before_search(about, standing.flights, standing.motors))
             self.query_one("#evidence", Static).update("After S: why, how sure, and the error on held-out flights.")
             self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
