@@ -57,7 +57,7 @@ from fieldkit.tui.imports.weather_file import ask_weather_file
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.dialogs import AskText
-from fieldkit.tui.widgets.hanging import stacked
+from fieldkit.tui.widgets.hanging import Hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
 
@@ -129,6 +129,19 @@ def _with(columns: TableColumns, earlier: Sequence[str]) -> TableColumns:
     named = all(columns.place(column) is not None for column in typed.values())
     same_kind = bool(typed) and is_of_flights(ColumnChoice(typed)) == (columns.of == "flights")
     return replace(columns, read_as=typed) if named and same_kind else columns
+
+
+def readable() -> Hanging:
+    """The kinds of files that the page reads, shown beside a folder."""
+    logs = ", ".join(sorted((one.title for one in parsers().values() if not one.simulates), key=str.lower))
+    simulated = ", ".join(one.title.removesuffix(" simulation (CSV)") for one in parsers().values() if one.simulates)
+    kinds = (
+        ("logs, tables", logs),
+        ("simulations", f"{simulated} (CSV)"),
+        ("designs", "OpenRocket .ork, RockSim .rkt, RASAero .CDX1"),
+        ("weather", "saved weather, for flights at its site"),
+    )
+    return cards.lines("Files that can be read", kinds, 14)
 
 
 class ImportScreen(PageScreen):
@@ -225,7 +238,7 @@ class ImportScreen(PageScreen):
         table.on_enter = "Open" if is_folder else "Import"
         self.follow_keys()
         self._look = None
-        self.query_one("#more", Static).update("")
+        self.query_one("#more", Static).update(readable() if is_folder else "")
         self.query_one(FilePanel).show(None, "")
         if is_folder:
             self.query_one("#preview", Static).update("Enter to open the folder")
