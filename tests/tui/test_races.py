@@ -106,7 +106,8 @@ async def test_a_search_is_canceled_when_the_page_has_other_flights(file: Path, 
             go.set()
             await calm(pilot)
         verdict = text_of(pilot, "#verdict")
-        assert "S to search" in verdict
+        assert "search" in verdict, "what a search would do, or why none can be made"
+        assert "searching" not in verdict
         assert ("have changed" in verdict) == (interrupted_by == "a removed flight")
         assert pilot.app.screen.query_one("#panels").found is None  # type: ignore[attr-defined]
 
