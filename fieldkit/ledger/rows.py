@@ -39,8 +39,9 @@ def row_of(flight: Flight) -> Row:
 
 
 def without_empty_numbers(row: Row) -> Row:
-    """A flight's row without the numbers that it lacks, which are most: a fifth of the memory and of the journal."""
-    numbers = {column.name for column in COLUMNS + LOGGED}
+    """A flight's row without the numbers that it lacks, which are most, and their uncertainties: a quarter of the
+    memory and of the journal."""
+    numbers = {column.name for column in COLUMNS + LOGGED} | {*READOUT_COLUMNS.values()}
     return {name: value for name, value in row.items() if value is not None or name not in numbers}
 
 
