@@ -17,6 +17,8 @@ OF_MASS = "fraction of the dry mass"
 WORTH_NAMING = 0.2
 """Probability that something is missing from which a verdict without a name states it: one chance in five is too much
 for "nothing is missing". [1]"""
+SURE = 0.9
+"""Probability of a verdict from which its sentence is stated without it. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,8 @@ def headline(found: Findings, system: str = "SI") -> Headline:
     named = [sentence_of(found, trial, system) for trial in diagnosis.accepted]
     if not named:
         named = [_without_name(found, system)]
+    elif diagnosis.confidence < SURE:
+        named[0] = f"Probably ({percent(diagnosis.confidence)}): {named[0]}"
     return Headline(
         named[0],
         tuple(named[1:]),

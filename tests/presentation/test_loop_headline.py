@@ -45,6 +45,7 @@ def test_a_wrong_mass_is_in_grams_or_ounces_with_what_to_do() -> None:
     assert one.step == "Weigh the rocket again, ready to fly but without the motor."
     assert (one.before, one.after) == (23.0, 10.0)
     assert "2.33 oz lighter" in headline(found(lighter), "US").sentence
+    assert headline(found(lighter, confidence=0.63)).sentence.startswith("Probably (63%): Astra C is about")
 
 
 def test_a_weak_motor_is_named_in_percent_and_from_which_flight_on() -> None:
