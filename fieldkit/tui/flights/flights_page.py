@@ -38,7 +38,7 @@ from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
 from fieldkit.tui.widgets.line import Line
-from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
+from fieldkit.tui.widgets.plots import Plot, draw_in, round_ticks, spaced
 from fieldkit.tui.widgets.table import Table
 
 MAX_DRAWN_FLIGHTS = 120
@@ -94,14 +94,7 @@ class FlightPlots(Horizontal):
             self._plot("climb", trace.title, partial(draw_trace, trace, log.events, log.span))
 
     def _plot(self, name: str, title: str, draw: Any) -> None:
-        plot = next(iter(self.query(f"#{name}").results(Plot)), None)
-        if plot is None and draw is not None:
-            plot = Plot(id=name)
-            self.mount(plot)
-        if plot is not None:
-            plot.display = draw is not None
-            plot.border_title = Content(printable(title))
-            plot.show(draw)
+        draw_in(self, draw, title, name)
         self.display = any(one.display for one in self.query(Plot))
 
 

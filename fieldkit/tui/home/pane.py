@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -22,7 +21,7 @@ from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.misses import draw_misses
-from fieldkit.tui.widgets.plots import Plot
+from fieldkit.tui.widgets.plots import Plot, draw_in
 
 Beside = Mapping[tuple[str, str], FlightBesideOthers]
 """Flights beside the others of their rocket, by rocket and flight_id."""
@@ -63,22 +62,16 @@ class Pane(VerticalScroll, can_focus=False):
         draw = (
             partial(draw_misses, missed, one.flight.flight_id, system) if one is not None and len(missed) > 1 else None
         )
-        self._plot("pane-trend", f"Misses of {rocket}, flown minus forecast [{unit}]", draw)
+        draw_in(self, draw, f"Misses of {rocket}, flown minus forecast [{unit}]", "pane-trend")
         self.show_climb(None)
 
     def show_climb(self, log: Drawn | None) -> None:
         """Show the height in the log of the flight; None if it has none, or while it is being read."""
         trace = log.traces.get("altitude") if log is not None else None
         if log is None or trace is None or len(trace.time) < 2:
-            self._plot("pane-climb", "", None)
+            draw_in(self, None, name="pane-climb")
         else:
-            self._plot("pane-climb", trace.title, partial(draw_trace, trace, log.events, log.span))
-
-    def _plot(self, name: str, title: str, draw: Any) -> None:
-        plot = self.query_one(f"#{name}", Plot)
-        plot.display = draw is not None
-        plot.border_title = Content(printable(title))
-        plot.show(draw)
+            draw_in(self, partial(draw_trace, trace, log.events, log.span), trace.title, "pane-climb")
 
 
 def _facts(one: ListedFlight | None, system: str) -> Iterable[str]:

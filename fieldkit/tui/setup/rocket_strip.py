@@ -46,18 +46,12 @@ class RocketStrip(Horizontal):
         if facts is None:
             return
         from fieldkit.tui.widgets.hanging import stacked  # imported with the facts
-        from fieldkit.tui.widgets.plots import Plot  # before the first paint it would take 0.1 s
+        from fieldkit.tui.widgets.plots import draw_in  # before the first paint it would take 0.1 s
 
         text = next(iter(self.query(Static)), None)
         if text is None:
             text = Static()
             self.mount(VerticalScroll(text, can_focus=False))
         text.update(stacked(facts.blocks))
-        plot = next(iter(self.query(Plot)), None)
-        if plot is None and facts.draw is not None:
-            plot = Plot()
-            self.mount(plot)
-        if plot is not None:
-            plot.display = facts.draw is not None
-            plot.show(facts.draw)
+        draw_in(self, facts.draw)
         self.border_title = Content(printable(facts.title)) if facts.draw is not None else ""

@@ -30,7 +30,7 @@ from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
-from fieldkit.tui.widgets.plots import EIGHTHS, Plot, round_ticks, spaced
+from fieldkit.tui.widgets.plots import EIGHTHS, draw_in, round_ticks, spaced
 from fieldkit.tui.widgets.states import STATES
 
 SKETCHED_FINENESS = 12.0
@@ -145,14 +145,7 @@ class SetupCard(VerticalScroll):
     def show(self, facts: Facts) -> None:
         """Show the whole card, with its picture if there is room."""
         self.query_one("#facts", Static).update(stacked(facts.blocks))
-        plot = next(iter(self.query(Plot)), None)
-        if plot is None and facts.draw is not None:
-            plot = Plot()
-            self.mount(plot)
-        if plot is not None:
-            plot.display = facts.draw is not None
-            plot.border_title = Content(printable(facts.title))
-            plot.show(facts.draw)
+        draw_in(self, facts.draw, facts.title)
 
 
 def of_motor(motor: Motor, system: str) -> Facts:

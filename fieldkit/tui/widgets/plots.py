@@ -15,8 +15,11 @@ from rich.style import Style
 from rich.text import Text
 from textual.app import RenderResult
 from textual.color import Color
+from textual.content import Content
+from textual.widget import Widget
 from textual_plotext import PlotextPlot
 
+from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 
 MAX_CELLS = 1000
@@ -79,6 +82,22 @@ class Plot(PlotextPlot):
             return Ink(*self.size, *["default"] * 5)
         inks = ("surface", "foreground", "primary", "accent", "border-blurred")
         return Ink(*self.size, *(Color.parse(names[name]).rgb for name in inks))
+
+
+def draw_in(
+    parent: Widget, draw: Callable[[Any, Ink], Text | None] | None, title: str = "", name: str | None = None
+) -> None:
+    """Draw in the plot of a widget, or in that with a name, which is added when there first is something to draw; None
+    hides it."""
+    plot = next((one for one in parent.query(Plot) if name in (None, one.id)), None)
+    if plot is None:
+        if draw is None:
+            return
+        plot = Plot(id=name)
+        parent.mount(plot)
+    plot.display = draw is not None
+    plot.border_title = Content(printable(title))
+    plot.show(draw)
 
 
 @contextmanager
