@@ -242,7 +242,8 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
 
 def from_others(data: RocketData, motors: Catalogue, flight: Flight) -> Prediction:
     """The forecast of a flight from the other flights of its rocket, as `forecast_from_others`, from what is known of
-    the rocket. Raises UnknownMotor, ImpossibleFlight for a flight without a dry mass."""
+    the rocket. Raises UnknownMotor, BadValue for a recovery figure or rail direction that cannot be read,
+    ImpossibleFlight for a flight without a dry mass."""
     plan = flight.unflown()
     history = list(data.history)
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
