@@ -12,6 +12,7 @@ A clock that counts from 1970 is shifted to start at the first sample, whose dat
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,9 +36,9 @@ from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.headings import heading
 from fieldkit.importing.tables.layout import Layout, layout_of
 from fieldkit.importing.tables.mapping import choice_for
-from fieldkit.importing.tables.pad_state import BOOST_FORCE, along_thrust
+from fieldkit.importing.tables.pad_state import BOOST_FORCE, ONE_G_RANGE, along_thrust
 from fieldkit.importing.tables.text import shown
-from fieldkit.importing.tables.unit_inference import epoch_unit
+from fieldkit.importing.tables.unit_inference import epoch_unit, rest
 from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -51,6 +52,8 @@ FREE_FALL = 0.3 * STANDARD_GRAVITY
 """Magnitude below which an accelerometer is in free fall: it feels drag alone. [m/s^2]"""
 MIN_FLIGHT_ROWS = 10
 """Smallest number of rows between two jumps of a clock that form a flight, if there is a longer one. [1]"""
+LONG_SILENCE, MANY_STEPS, LEAST_CLIMB = 120.0, 500.0, 15.0
+"""Shortest gap between two flights of a table [s], in median steps of its clock [1], and the smallest climb [m]."""
 
 
 def recognises(head: bytes) -> bool:
@@ -225,6 +228,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     if not len(table):
         raise DamagedLog("found no time in any row, expected numbers")
     parts, found = table.flights()
+    parts = [flight for part in parts for flight in _apart(part)]
     longest = max(map(len, parts))
     whole = [part for part in parts if len(part) >= min(MIN_FLIGHT_ROWS, longest)]
     if len(whole) < len(parts):
@@ -243,6 +247,22 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     return [*readings, *found]
 
 
+def _apart(table: LogTable) -> list[LogTable]:
+    """The flights of a table whose clock did not restart between them: a long gap in the recording with a climb on both
+    sides."""
+    time, height = table.values["time"], next((table.values[name] for name in HEIGHTS if name in table.values), None)
+    if height is None:
+        return [table]
+    steps = np.diff(time)
+    silent = np.flatnonzero(steps > max(LONG_SILENCE, MANY_STEPS * float(np.median(steps)) if len(steps) else 0.0)) + 1
+    bounds = [0, *silent.tolist(), len(time)]
+    parts = [slice(first, last) for first, last in pairwise(bounds)]
+    climbs = [
+        len(known := height[part][np.isfinite(height[part])]) > 0 and np.ptp(known) > LEAST_CLIMB for part in parts
+    ]
+    return [table.pick(part) for part in parts] if len(parts) > 1 and all(climbs) else [table]
+
+
 def _oldest_first(table: LogTable) -> LogTable:
     """The table with its rows reversed if its clock runs backward throughout: some lists have the latest row first."""
     steps = np.diff(table.values["time"])
@@ -251,21 +271,26 @@ def _oldest_first(table: LogTable) -> LogTable:
 
 
 def _with_total(table: LogTable) -> LogTable:
-    """The table with the magnitude of three axes and the acceleration along the rocket, if it lacks these."""
+    """The table with the magnitude of three axes and the acceleration along the rocket, if it lacks these. With fewer
+    axes the latter has to be one g on the pad."""
     values = dict(table.values)
     if "felt" in values and _has_no_sign(values["felt"]):
         values.setdefault("felt_total", values.pop("felt"))
     if "acceleration" in values and _has_no_sign(values["acceleration"]):
         del values["acceleration"]
-    if not all(name in values for name in AXES):
+    known = [values[name] for name in AXES if name in values]
+    if not known:
         return LogTable(values, table.rows)
-    axes = np.stack([values[name] for name in AXES])
-    total = np.sqrt((axes**2).sum(axis=0))
-    if "felt" in values and _is_total(values["felt"], total):
-        values["felt_total"] = values.pop("felt")
-    values.setdefault("felt_total", total)
+    axes = np.stack(known)
+    if whole := len(axes) == len(AXES):
+        total = np.sqrt((axes**2).sum(axis=0))
+        if "felt" in values and _is_total(values["felt"], total):
+            values["felt_total"] = values.pop("felt")
+        values.setdefault("felt_total", total)
     along = None if {"felt", "acceleration"} & values.keys() else along_thrust(values["time"], axes)
-    if along is not None:
+    if along is not None and (
+        whole or ONE_G_RANGE[0] < rest(along, values["time"]) / STANDARD_GRAVITY < ONE_G_RANGE[1]
+    ):
         values["felt"] = along
     return LogTable(values, table.rows)
 

@@ -232,3 +232,67 @@ def test_clocks_and_heights_that_state_no_usual_unit_are_read(names: str, time: 
 def test_a_clock_that_gravity_contradicts_is_refused(names: str, ticks: float, unit: float) -> None:
     with pytest.raises(DamagedLog, match=r"time=#1 \[m?s\]"):
         opened(table(names, (TIME + 3) * ticks, HEIGHT / unit))
+
+
+@pytest.mark.parametrize("header", [True, False], ids=["with a second header", "without"])
+def test_units_follow_from_the_flight_of_a_logger_that_was_switched_on_twice(*, header: bool) -> None:
+    """It stood on the pad first; no unit is stated, and the header of the second start is no damaged row."""
+    names, pad = "millis,pressure,altitude,ax,ay,az", 200
+    before = [CLOCK[:pad], PRESSURE[0] + RNG.normal(0, 8, pad), RNG.normal(0, 0.7, pad), 0 * CLOCK[:pad]]
+    first = table(names, *before, before[-1], before[-1] + 1)
+    second = table(names, CLOCK, PRESSURE, SEEN, 0 * TIME, 0 * TIME, FELT)
+    found = opened(first + (second if header else second.partition(b"\n")[2]))
+    (flight,) = found.flights
+    assert flight.apogee == pytest.approx(APOGEE, rel=0.01)
+    assert not any("found 'millis'" in str(one) for one in found.rejected)
+
+
+@pytest.mark.parametrize("gap", [3000.0, 40.0], ids=["two flights", "silence within one"])
+def test_a_long_gap_between_two_climbs_separates_flights(gap: float) -> None:
+    """A shorter one, or one on the ground, is a pause of the recording."""
+    later = np.concatenate([TIME, TIME[-1] + gap + TIME - TIME[0]])
+    flights = opened(table("time_s,altitude_m", later, np.concatenate([SEEN, SEEN]))).flights
+    assert len(flights) == (2 if gap > 1000 else 1)
+    paused = np.where(TIME[-40] < TIME, TIME + gap, TIME)
+    assert apogee(table("time_s,altitude_m", paused, SEEN)) == pytest.approx(APOGEE, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["az", "Acc Z (g)"])
+def test_one_axis_that_feels_one_g_on_the_pad_is_along_the_rocket(name: str) -> None:
+    (flight,) = opened(table(f"time_s,altitude_m,{name}", TIME, SEEN, FELT)).flights
+    (across,) = opened(table(f"time_s,altitude_m,{name}", TIME, SEEN, 0.1 * FELT)).flights
+    assert flight.peak_accel == pytest.approx(PUSH, rel=0.03)
+    assert flight.sd["peak_accel"] < 0.5 * across.sd["peak_accel"]
+
+
+@pytest.mark.parametrize("name", ["GPSTime", "UTC Time (s)", "gps_time"])
+def test_the_clock_of_a_receiver_serves_where_there_is_no_other(name: str) -> None:
+    assert apogee(table(f"{name},BaroAlt(m)", 36000 + TIME, SEEN)) == pytest.approx(APOGEE, rel=0.01)
+    wrong = 36000 + 1.1 * TIME
+    assert apogee(table(f"{name},time_s,BaroAlt(m)", wrong, TIME, SEEN)) == pytest.approx(APOGEE, rel=0.01)
+    (flight,) = opened(table(f"{name},time_s,BaroAlt(m)", wrong, TIME, SEEN)).flights
+    assert flight.coast_to_apogee == pytest.approx(_TOP - BURN, rel=0.04)
+
+
+def test_milliseconds_with_separated_thousands_are_read() -> None:
+    """Every number of the table could have a decimal comma, but those below a thousand have no mark."""
+    clock = [f'"{one:,}"' for one in np.round(CLOCK).astype(int).tolist()]
+    assert apogee(table("Time (ms),Altitude (m)", clock, text(np.round(SEEN), "{:.0f}"))) == pytest.approx(
+        APOGEE, rel=0.01
+    )
+    cells = [f'"{one:.3f}"'.replace(".", ",") for one in (1 + CLOCK / 1000).tolist()]
+    thousandths = table("Time (s),Altitude (m)", cells, text(np.round(SEEN), "{:.0f}"))
+    with suppress(DamagedLog, UnknownFormat):
+        assert apogee(thousandths) == pytest.approx(APOGEE, rel=0.01)
+
+
+@pytest.mark.parametrize("names", ["ms;Pa", "millis;mb"])
+def test_columns_named_by_their_units_alone_are_read(names: str) -> None:
+    pressure = PRESSURE if "Pa" in names else PRESSURE / 100
+    assert apogee(table(names, CLOCK, pressure, separator=";")) == pytest.approx(APOGEE, rel=0.03)
+
+
+def test_a_height_downward_in_meters_is_not_in_decimeters() -> None:
+    assert apogee(table("time_s,pos_n_m,pos_e_m,pos_d_m", TIME, 0.1 * TIME, 0.2 * TIME, -SEEN)) == pytest.approx(
+        APOGEE, rel=0.01
+    )

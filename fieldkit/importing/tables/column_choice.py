@@ -18,6 +18,7 @@ from fieldkit.importing.tables.headings import (
     estimated,
     heading,
     is_pressure,
+    is_receiver_clock,
     is_time_step,
     stated_unit,
     unit_named,
@@ -160,7 +161,8 @@ def _row_clock(layout: Layout, interval: float) -> Pick:
 
 
 def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] | None) -> list[Pick]:
-    """The clock and the pressure of a table that names neither: times such as `12:04:05.3`, and a unit such as hPa."""
+    """The clock and the pressure of a table that names neither: times such as `12:04:05.3`, the clock of a satellite
+    receiver, and a unit such as hPa."""
     named = {pick.channel for pick in picks}
     free = [i for i in range(len(layout.headers)) if columns is None or i in columns]
     free = [i for i in free if i not in {pick.place for pick in picks} and not layout.says(i)]
@@ -171,7 +173,8 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
     if not (found or named & {"time"}) and 0 in heads and heads[0].words in _CLOCK_UNITS:
         found = [Pick("time", 0, heads[0].spelled, heads[0].words[0])]
     if not (found or named & {"time"}):
-        found = [Pick("time", place, head.spelled, "") for place, head in heads.items() if head.words == ("utc",)][:1]
+        receivers = [(place, head) for place, head in heads.items() if is_receiver_clock(head)]
+        found = [Pick("time", place, head.spelled, stated_unit(head, "time")) for place, head in receivers[:1]]
     if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
         head = heads[barometers[0]]
         found.append(Pick("pressure", barometers[0], head.spelled, stated_unit(head, "pressure")))
@@ -181,18 +184,20 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
 
 
 def _by_letter(layout: Layout, heads: Mapping[int, Heading]) -> list[Pick]:
-    """The pressure or the height of a table that names its columns by letters and has no other: `p` with a pressure
-    that a pad has, otherwise `h` or `z`."""
-    letters = {head.words[0]: place for place, head in heads.items() if head.words in (("p",), ("h",), ("z",))}
-    if "p" in letters:
-        cell = layout.first[letters["p"]].replace(layout.decimal, ".")
+    """The pressure or the height of a table that names its columns by letters and has no other: `p`, `Pa` or `mb` with
+    a pressure that a pad has, otherwise `h` or `z`."""
+    letters = {head.words[0]: place for place, head in heads.items() if len(head.words) == 1}
+    if place := next((letters[name] for name in ("p", "pa", "mb") if name in letters), None):
+        cell = layout.first[place].replace(layout.decimal, ".")
         try:
             pad = np.array([float(cell)])
         except ValueError:
             pad = np.empty(0)
         if settle_pressure(pad):
-            return [Pick("pressure", letters["p"], heads[letters["p"]].spelled, "")]
-    return [Pick("altitude", place, heads[place].spelled, "") for name, place in letters.items() if name in "hz"][:1]
+            return [Pick("pressure", place, heads[place].spelled, "")]
+    return [Pick("altitude", place, heads[place].spelled, "") for name, place in letters.items() if name in ("h", "z")][
+        :1
+    ]
 
 
 def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:

@@ -5,12 +5,15 @@ is dropped, as are a pressure and a height above sea level beside an altitude in
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.clocks import restarts
 from fieldkit.importing.tables.column_choice import HEIGHTS, REQUIRED_CHANNELS, Pick, to_si
 from fieldkit.importing.tables.headings import QUANTITIES, barometric, heading, unit_named
+from fieldkit.importing.tables.table import MOST_FLIGHTS
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
@@ -49,7 +52,7 @@ def units_of(
     `values` are updated: `felt?` is renamed to what it proves to be, and a height above another zero to `altitude_msl`.
     Raises DamagedLog for a unit that neither the header nor the values determine.
     """
-    by_channel = {pick.channel: pick for pick in picks}
+    by_channel, flown = {pick.channel: pick for pick in picks}, _of_one_flight(values)
     units: dict[str, tuple[Unit, str, str]] = {}
     for name, pick in by_channel.items():
         if pick.unit == "clock":
@@ -61,8 +64,8 @@ def units_of(
     if "pressure" in units and not by_channel["pressure"].chosen:
         _check_pressure(by_channel["pressure"], units["pressure"], values, needed="altitude" not in by_channel)
     if height := next((name for name in HEIGHTS if name in units), ""):
-        units[height] = _by_physics(by_channel[height], units[height], units, {**values, "altitude": values[height]})
-    settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
+        units[height] = _by_physics(by_channel[height], units[height], units, {**flown, "altitude": flown[height]})
+    settled = _settled(flown, {name: plain(text) for name, (_, text, _) in units.items()}, units)
     if by_channel.get("time") and by_channel["time"].unit and not epoch_unit(values["time"]):
         settled.pop("time", None)  # a unit that is stated but unknown, as in `time (ticks)`, is not replaced by a guess
     for name, one in settled.items():
@@ -85,6 +88,24 @@ def units_of(
         left_out[by_channel["felt?"].name] = NO_KIND
     _settle_zero(values, units, by_channel)
     return units, left_out
+
+
+def _of_one_flight(values: Mapping[str, Float[Array, "row"]]) -> Mapping[str, Float[Array, "row"]]:
+    """The values between two restarts of the clock that reach highest: a logger that was switched on twice writes both
+    into one table."""
+    height = next((name for name in (*HEIGHTS, "pressure") if name in values), "")
+    restarted = restarts(values["time"]).tolist()
+    if not height or not 0 < len(restarted) < MOST_FLIGHTS:
+        return values
+    parts = [slice(first, last) for first, last in pairwise([0, *restarted, len(values["time"])])]
+    highest = max(parts, key=lambda part: _range(values[height][part]))
+    return {name: value[highest] for name, value in values.items()}
+
+
+def _range(values: Float[Array, "row"]) -> float:
+    """The difference of the highest and the lowest value, in their unit; 0 if there is none."""
+    known = values[np.isfinite(values)]
+    return float(np.ptp(known)) if len(known) else 0.0
 
 
 def _check_pressure(
@@ -178,9 +199,9 @@ def _settled(
     if felt in values and felt not in units and (one := settle_felt(values[felt], is_total=felt == "felt_total")):
         settled[felt] = one
     axes = [name for name in AXES if name in values]
-    if len(axes) == 3 and not any(name in units for name in axes):
+    if axes and not any(name in units for name in axes):
         total = np.sqrt(sum((values[name] ** 2 for name in axes), np.zeros_like(values["time"])))
-        if one := settle_felt(total, is_total=True):
+        if one := settle_felt(total, is_total=len(axes) == len(AXES)):
             settled |= dict.fromkeys(axes, one)
     return {name: one for name, one in settled.items() if name not in units}
 

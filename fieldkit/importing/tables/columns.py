@@ -6,14 +6,13 @@ the requested columns plus one block of text.
 """
 
 import re
-from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from fieldkit.importing.tables.cell import SI, Channel
 from fieldkit.importing.tables.columns_read import note_table
 from fieldkit.importing.tables.large_tables import byte_blocks, can_be_plain, plain_numbers
-from fieldkit.importing.tables.layout import decimal_mark, split
+from fieldkit.importing.tables.layout import decimal_mark, groups_thousands, split
 from fieldkit.importing.tables.rows import ROWS_TO_MEASURE, Rows
 from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import blocks, first_lines, is_cut
@@ -22,15 +21,15 @@ __all__ = ["SI", "Channel", "LogTable", "read_columns"]
 
 FIRST_ROWS = 100
 """Number of rows from which the decimal mark is determined. [1]"""
+HEADER_LINES = 5
+"""Lines above a table that may stand again within it. [1]"""
 MOST_REMARKS, LONGEST_REMARK = 1000, 1000
 """Largest number of comment lines that are stored, and largest length of each. [1], [characters]"""
 LAST_LINES = 1 << 13
 """Size of the end of a block from which the length of the last cells is measured. [bytes]"""
 _POINT = re.compile(rb"(?<![\d.,])[1-9]\d{0,2}(?:\.\d{3})+(?![\d.,])")
 _DECIMAL_POINT = re.compile(rb"(?<![\d.])(?:0\d*|\d{4,}|)\.\d|\d\.(?:\d{1,2}|\d{4,})(?![\d.])|\.\d{3}[,eE]")
-_LEAST_CELLS = 3
-"""A number with points between its thousands, a number with a decimal point, and the fewest numbers of a column with
-and without points that show that these separate thousands. [1]"""
+"""A number with points between its thousands, and a number with a decimal point."""
 _SWAPPED_MARKS = str.maketrans(",.", ".,")
 
 
@@ -51,16 +50,18 @@ def read_columns(
     `separator` None is whitespace. `widths` are the numbers of cells that a row may have; None allows any that include
     the needed ones. `words` names columns that are stored as text. Lines that begin with `comment` are stored
     separately. `decimal` None is determined from the first rows, because a spreadsheet may have replaced points by
-    commas. Cells may be in quotation marks, and their thousands separated by the mark that is not the decimal one.
-    Raises DamagedLog if not a single row can be read, or if a comma has two meanings in one column.
+    commas. Cells may be in quotation marks, and their thousands separated by the mark that is not the decimal one. A
+    header that stands again, because the logger was switched on again, is no row. Raises DamagedLog if not a single row
+    can be read, or if a comma has two meanings in one column.
     """
     decimal = decimal or _decimal(log, after, separator)
     if decimal == "." and _points_group(log, after, separator):
         decimal = ","
     source = _Cells(separator, decimal, quoted=separator is not None and b'"' in log)
     reader = Rows(channels, source.joined_by, widths, words or {}, source.spelled)
+    above = {line.strip() for line in first_lines(log, most=after)[-HEADER_LINES:]} if after else set()
     for first, lines in _lines(log, after, reader, source, comment):
-        kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
+        kept = [i for i, line in enumerate(lines) if line and not line.isspace() and line.strip() not in above]
         if comment:
             remarks = [(first + i, lines[i][:LONGEST_REMARK]) for i in kept if lines[i].startswith(comment)]
             reader.remarks += remarks[: MOST_REMARKS - len(reader.remarks)]
@@ -114,21 +115,14 @@ def _lines(log: bytes, after: int, reader: Rows, source: _Cells, comment: str) -
 
 
 def _points_group(log: bytes, after: int, separator: str | None) -> bool:
-    """Whether points separate thousands: no number has another count of digits than three behind one, and in a column
-    with such numbers those without a point have at most three digits. `%g` and spreadsheets write `1.5` and `1.04`
-    among thousandths, `%.3f` writes no whole numbers among them."""
+    """Whether points separate thousands: no number has another count of digits than three behind one, and some columns
+    show it."""
     if _POINT.search(log) is None or _DECIMAL_POINT.search(log):
         return False
-    grouped, single, long = (Counter[int]() for _ in range(3))
-    for _, lines in blocks(log, after):
-        for line in lines:
-            for place, cell in enumerate(split(line, separator)):
-                digits = cell.strip().lstrip("+-")
-                counts = grouped if "." in digits else single if len(digits) <= 3 else long
-                counts[place] += digits.replace(".", "").isdecimal()
-    return any(count >= _LEAST_CELLS <= single[place] and not long[place] for place, count in grouped.items())
+    lines = (line for _, some in blocks(log, after) for line in some)
+    return groups_thousands((split(line, separator) for line in lines), ".")
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:
     """The decimal mark of the first rows. Raises DamagedLog if `1,148` is ambiguous."""
-    return decimal_mark([cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)])
+    return decimal_mark([split(line, separator) for line in first_lines(log, after, FIRST_ROWS)])

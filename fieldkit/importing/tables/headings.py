@@ -95,6 +95,8 @@ _SENSORS = frozenset({"baro", "barometric", "accel", "inertial", "gps", "agl", "
 """Words beside a unit in brackets that name the sensor or the zero of a height: `Baro-Ft`, `m, gps`, `ft AGL`."""
 _AFTER_UNITS = _SENSORS | {"x", "y", "z", "up", "raw"}
 """Words that may follow a unit that is not in brackets: `alt_ft_msl`, `accel_g_x`."""
+_NEW_WORD = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z]{2})(?=[A-Z][a-z]{2})")
+"""Where a word begins in `baroAlt` and in `GPSTime`."""
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _HEIGHT_ZERO = re.compile(r"(.*?)[,;]?\s{1,4}((?:above )?(?:ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `m above sea level`."""
@@ -112,7 +114,7 @@ def heading(spelled: str) -> Heading:
     """Split a header: `Alt (ft)` is the word `alt` and the unit `ft`."""
     spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
     name, unit = _divided(spelled) or _bracketed(spelled) or (spelled, _unknown_unit(spelled))
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", _G_FORCE.sub("gforce", name))
+    name = _NEW_WORD.sub(" ", _G_FORCE.sub("gforce", name))
     words = re.findall(r"[^\W_]+(?:'s)?|/", folded(name))
     return Heading(
         spelled, tuple(word[:-1] if word[:-1] in _NUMBERED and word[-1].isdecimal() else word for word in words), unit
@@ -194,10 +196,11 @@ def stated_unit(head: Heading, channel: str) -> str:
 
 def _unit_words(head: Heading, quantity: str) -> range:
     """The places of the words that spell a unit of a quantity: at the end of a name or before words that say where its
-    zero is or which axis it has, as in `alt_ft_msl`; empty if there are none."""
+    zero is or which axis it has, as in `alt_ft_msl`; empty if there are none. A length is one word: `pos_d_m` are no
+    decimeters."""
     end = len(head.words)
     while True:
-        for start in range(max(1, end - 5), end):
+        for start in range(max(1, end - (1 if quantity == "length" else 5)), end):
             if unit_named(quantity, "".join(head.words[start:end])):
                 return range(start, end)
         if end < 2 or head.words[end - 1] not in _AFTER_UNITS:
@@ -282,6 +285,14 @@ def _beside_unit(head: Heading) -> str:
         if words and words <= meanings and (tail or unit_named(quantity, head.unit)):
             return name
     return ""
+
+
+def is_receiver_clock(head: Heading) -> bool:
+    """Whether a name is the clock of a satellite receiver, which is another one beside a logger's own: `UTC`,
+    `GPSTime`."""
+    words = {*head.words}
+    receiver = words & {"utc", *_ROLES["gps"]}
+    return head.words == ("utc",) or (bool(receiver) and bool(words & _TIME) and words - receiver <= _TIME)
 
 
 def _of_quantity(head: Heading, channel: str) -> bool:

@@ -7,7 +7,8 @@ units, and rows of numbers. The header may be marked as a comment, or missing.
 import codecs
 import csv
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -41,6 +42,8 @@ _STEP = re.compile(
     r"(?:interval|period|step|intervall)\b\D{0,20}?(\d{1,6}(?:[.,]\d{1,6})?)\s?(ms|us|µs|s|sec|seconds)\b", re.I
 )
 """Words of a line about how often samples are taken, words of one about something else, and the number in it."""
+_LEAST_CELLS = 3
+"""Fewest numbers of a column with and without a mark that show that it separates thousands. [1]"""
 _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,4}){0,4}[\])}]?")
 
 
@@ -170,7 +173,7 @@ def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
     rows = [split(line, separator) for line in lines[start:]]
     if headers and headers[-1] == f"#{width}" and _are_numbered(rows, headers):
         headers = ["#1", *headers[:-1]]
-    decimal = decimal_mark([cell for cells in rows for cell in cells])
+    decimal = decimal_mark(rows)
     first = tuple(cell.strip() for cell in rows[0])
     if headers is None:
         return Layout(tuple(f"#{i}" for i in range(1, width + 1)), start, separator, decimal, False, first)
@@ -231,17 +234,31 @@ def _names(line: str, separator: str | None, width: int) -> list[str] | None:
     return cells + [f"#{i}" for i in range(len(cells) + 1, width + 1)]
 
 
-def decimal_mark(cells: Sequence[str]) -> str:
-    """The decimal mark of a table: the one that more cells certainly have. Raises DamagedLog if `1,148` could be either
-    number.
+def decimal_mark(rows: Sequence[Sequence[str]]) -> str:
+    """The decimal mark of a table from some of its rows: the one that more cells certainly have. Raises DamagedLog if
+    `1,148` could be either number.
     """
+    cells = [cell for row in rows for cell in row]
     cells = [_SPACED.sub("", cell) if is_grouped(cell.strip().replace(",", ".")) else cell for cell in cells]
     commas, points = ([cell for cell in cells if _DECIMALS[mark].fullmatch(cell)] for mark in ",.")
     certain = [sum(not _THOUSANDS.fullmatch(cell) for cell in numbers) for numbers in (commas, points)]
-    if commas and not points and not certain[0]:
+    if commas and not points and not certain[0] and not groups_thousands(rows, ","):
         found = f"found {commas[0].strip()!r}, which may be {commas[0].strip().replace(',', '')!r} or a decimal comma"
         raise DamagedLog(f"{found}, expected unambiguous numbers")
     return "," if certain[0] > certain[1] else "."
+
+
+def groups_thousands(rows: Iterable[Sequence[str]], mark: str) -> bool:
+    """Whether a mark with three digits behind it separates thousands: in a column with such numbers those without the
+    mark have at most three digits. `%g` and spreadsheets write `1.5` and `1.04` among thousandths, `%.3f` writes no
+    whole numbers among them."""
+    grouped, single, long = (Counter[int]() for _ in range(3))
+    for row in rows:
+        for place, cell in enumerate(row):
+            digits = cell.strip().lstrip("+-")
+            counts = grouped if mark in digits else single if len(digits) <= 3 else long
+            counts[place] += digits.replace(mark, "").isdecimal()
+    return any(count >= _LEAST_CELLS <= single[place] and not long[place] for place, count in grouped.items())
 
 
 def runs_like_a_log(head: bytes) -> bool:
