@@ -17,7 +17,7 @@ OF_MASS = "fraction of the dry mass"
 WORTH_NAMING = 0.2
 """Probability that something is missing from which a verdict without a name states it: one chance in five is too much
 for "nothing is missing". [1]"""
-SURE = 0.9
+SURE_PROBABILITY = 0.9
 """Probability of a verdict from which its sentence is stated without it. [1]"""
 
 
@@ -40,7 +40,7 @@ def headline(found: Findings, system: str = "SI") -> Headline:
     named = [sentence_of(found, trial, system) for trial in diagnosis.accepted]
     if not named:
         named = [_without_name(found, system)]
-    elif diagnosis.confidence < SURE:
+    elif diagnosis.confidence < SURE_PROBABILITY:
         named[0] = f"Probably ({percent(diagnosis.confidence)}): {named[0]}"
     return Headline(
         named[0],
