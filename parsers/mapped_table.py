@@ -228,7 +228,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     if not len(table):
         raise DamagedLog("found no time in any row, expected numbers")
     parts, found = table.flights()
-    parts = [flight for part in parts for flight in _apart(part)]
+    parts = [flight for part in parts for flight in _separate_flights(part)]
     longest = max(map(len, parts))
     whole = [part for part in parts if len(part) >= min(MIN_FLIGHT_ROWS, longest)]
     if len(whole) < len(parts):
@@ -247,7 +247,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     return [*readings, *found]
 
 
-def _apart(table: LogTable) -> list[LogTable]:
+def _separate_flights(table: LogTable) -> list[LogTable]:
     """The flights of a table whose clock did not restart between them: a long gap in the recording with a climb on both
     sides."""
     time, height = table.values["time"], next((table.values[name] for name in HEIGHTS if name in table.values), None)

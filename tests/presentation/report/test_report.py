@@ -116,7 +116,7 @@ def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flig
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(book_module, "MAX_FITS", 5)
-    monkeypatch.setattr(card_module, "forecast_from_others", lambda *_: pytest.fail("a fit for a flight"))
+    monkeypatch.setattr(card_module, "from_others", lambda *_: pytest.fail("a fit for a flight"))
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         flown = season(np.random.default_rng(3), ("apogee", "top_speed"), 6)
         ledger.add([one.with_changes(rocket="Astra", flight_id=str(n)) for n, (one, _) in enumerate(flown)])
