@@ -59,9 +59,10 @@ def test_every_line_names_its_file_and_line() -> None:
 
 
 DATA = """
-    afbb cato comet decoded fault http lightning oog reloadable sandt sirius sketch tsp
+    afbb cato cats comet decoded designs fault http lightning oog reloadable sandt sirius sketch tsp
 """
-"""Other words on the pages in the pictures: rockets, tags, a web page, motors and a logger's lines."""
+"""Other words on the pages in the pictures: rockets, tags, a web page, motors, loggers and their lines, kinds of
+files."""
 OF_TEXTUAL = "focus selected super"
 """Words of keys that the library itself binds and describes."""
 
