@@ -59,7 +59,8 @@ def read_columns(
         decimal = ","
     source = _Cells(separator, decimal, quoted=separator is not None and b'"' in log)
     reader = Rows(channels, source.joined_by, widths, words or {}, source.spelled)
-    above = {line.strip() for line in first_lines(log, most=after)[-HEADER_LINES:]} if after else set()
+    header = first_lines(log, most=after)[-HEADER_LINES:] if after else []
+    above = {line.strip() for line in header if any(map(str.isalpha, line))}  # numbers above a table may equal a row
     for first, lines in _lines(log, after, reader, source, comment):
         kept = [i for i, line in enumerate(lines) if line and not line.isspace() and line.strip() not in above]
         if comment:

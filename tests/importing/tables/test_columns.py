@@ -221,3 +221,10 @@ def test_blocks_are_read_like_single_rows(cells: list[tuple[str, int]]) -> None:
 
     lines = [f"{time},{cell}\n" for cell, time in cells]
     assert values(lines) == [row for line in lines for row in values([line])]
+
+
+def test_a_header_that_stands_again_is_no_row_and_numbers_above_a_table_are_not_a_header() -> None:
+    log = b"0,0\ntime,height\n0,0\n0,0\n1,5\ntime,height\n2,9\n"
+    table = read_columns(log, [Channel("time", 0), Channel("height", 1)], after=2)
+    assert table.values["height"].tolist() == [0.0, 0.0, 5.0, 9.0]
+    assert not table.found
