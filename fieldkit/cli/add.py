@@ -9,14 +9,14 @@ import typer
 
 from fieldkit import settings
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
-from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, remark, say_wrapped, system
+from fieldkit.cli.predictions import print_outcome
+from fieldkit.cli.screen import complain, print_card, remark, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
 from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
-from fieldkit.quantities import significant
+from fieldkit.quantities import in_system
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
@@ -92,20 +92,15 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
 
 
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":
-    """A flight with the mass and diameter that are known of its build if none are given, and the names of what was
-    filled in, which is printed."""
-    from fieldkit.services.manual_entry import with_build, with_only_config
+    """A flight with what is known of its build if that is not given, which is printed, and the names of mass and
+    diameter if they were filled in."""
+    from fieldkit.services.manual_entry import as_built
 
-    flight, named = with_only_config(ledger, flight, given)
-    if named:
-        complain(f"note: {named}; change with --config")
-    flight, filled = with_build(ledger, flight, given)
-    if filled:
-        known = [(BY_NAME[one], value) for one in filled if (value := flight.number(one)) is not None]
-        values = [f"{column.title.lower()} {significant(column, value, system())}" for column, value in known]
-        options = " and ".join(f"--{one.replace('_', '-')}" for one in filled)
-        complain(f"note: filled in {', '.join(values)}; change with {options}")
-    return flight, filled
+    flight, notes = as_built(ledger, flight, given)
+    for note in notes:
+        options = " and ".join(f"--{one.replace('_', '-')}" for one in note.columns)
+        complain(f"note: {in_system(note.text, system())}; change with {options}")
+    return flight, [one for note in notes for one in note.columns if one != "config"]
 
 
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
@@ -211,17 +206,8 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
 
 def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
     """Print a new flight, its forecast, and remarks on it."""
-    from fieldkit.presentation.after_flight_text import outcome_lines
-    from fieldkit.services.after_flight import outcome
     from fieldkit.services.plausible_flights import exclusions
 
     print_card(flight, id)
     ledger.remark(*exclusions([flight], MotorCheck().catalogue))  # before those of other flights
-    saved = prediction_of(ledger, flight)
-    found = outcome(ledger, MotorCheck().catalogue, flight)
-    if found is None:
-        print_prediction(saved)
-    else:
-        say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
-        if saved is not None and saved.stale:
-            say_wrapped(f"The forecast was stale: {'; '.join(saved.changes_in(system()))}.")
+    print_outcome(ledger, flight)

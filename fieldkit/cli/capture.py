@@ -18,9 +18,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.importing import GivenValues, say_next
 from fieldkit.cli.numbers import not_negative
+from fieldkit.cli.options import takes_lacking
 from fieldkit.cli.screen import AsJson, complain, measured, print_json, print_table, say, system
-from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.cli.session import MotorCheck, given_columns, open_ledger, read_settings
 from fieldkit.errors import BadValue, CaptureTrouble, PortTrouble
 from fieldkit.paths import capture_folder
 from fieldkit.presentation.home_text import sparkline
@@ -136,7 +138,6 @@ def flight_line(sample: "Sample", age: float) -> str:
 app = typer.Typer()
 
 
-@app.command()
 def capture(
     context: typer.Context,
     where: Annotated[
@@ -176,10 +177,9 @@ def capture(
         bool | None,
         typer.Option("--import/--no-import", help="Import or do not import, without asking.", show_default=False),
     ] = None,
-    given: Annotated[
-        list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the logs lack: rocket=Astra.")
-    ] = None,
+    given: GivenValues = None,
     json: AsJson = False,
+    **named: str | None,
 ) -> None:
     """Read a logger on a serial port; Ctrl-C stops. Every byte is saved; nothing on the logger is ever changed."""
     from fieldkit.capture import CaptureOptions
@@ -187,7 +187,7 @@ def capture(
     if list_:
         print_ports(json)
         return
-    defaults = read_settings(split_settings(given or ()), MotorCheck())
+    defaults = read_settings(given_columns(given, named), MotorCheck())
     with _interrupt() as stop, View() as view:
         hertz = None if frequency is None else frequency * 1e6
         choose = _chooser(flight or (), view.pause, asks=sys.stdin.isatty() and not json)
@@ -200,6 +200,10 @@ def capture(
         print_json(_document(end, receipt))
     if not end.whole:
         raise typer.Exit(1)
+
+
+takes_lacking(capture)
+app.command()(capture)
 
 
 def _followed(events: "Iterator[CaptureEvent]", show: "Callable[[CaptureEvent], None]") -> "Ended":
@@ -332,16 +336,23 @@ def _received(
     with open_ledger(context) as ledger:
         check = MotorCheck()
         receipt = bring_in(ledger, [end.file], check, defaults=defaults, motors=check.catalogue)
+        _complain_of(receipt)
+        if not json:
+            say(
+                f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}, "
+                f"{len(receipt.rejected)} rejected"
+            )
+            say_next(ledger, receipt)
+    return receipt
+
+
+def _complain_of(receipt: "Receipt") -> None:
+    """Print rejected rows and notes."""
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
     for note in receipt.notes:
         complain(f"note: {in_system(note, system())}")
-    if not json:
-        say(
-            f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
-        )
-    return receipt
 
 
 def _document(end: "Ended", receipt: "Receipt | None") -> dict[str, object]:

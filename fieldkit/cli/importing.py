@@ -3,18 +3,21 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fieldkit.cli.completing import rocket_names
+from fieldkit.cli.options import takes_lacking
+from fieldkit.cli.predictions import print_outcome
 from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say_lines, say_wrapped, system
-from fieldkit.cli.session import MotorCheck, known_motors, open_ledger, read_settings, split_settings
+from fieldkit.cli.session import MotorCheck, given_columns, known_motors, open_ledger, read_settings
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
 from fieldkit.quantities import counted, in_system
@@ -36,6 +39,10 @@ FILES = 20
 """Maximum number of files that get a line each. [1]"""
 
 
+EXAMPLES = {"rocket": "NAME", "motor": "F24-4W", "dry_mass": "320g"}
+"""What a flight needs to be used in forecasts, as it is typed."""
+
+
 class ExportFormat(StrEnum):
     """Formats of `export`."""
 
@@ -47,7 +54,7 @@ Files = Annotated[list[Path], typer.Argument(help="Logs, flight tables, or folde
 Format = Annotated[str | None, typer.Option(help="The parser, if the format is not recognized.")]
 GivenValues = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the files lack: rocket=Astra."),
+    typer.Option("--set", metavar="COLUMN=VALUE", help="Other values that the files lack: wind=8mph."),
 ]
 ColumnMappings = Annotated[
     list[str] | None,
@@ -71,7 +78,7 @@ def inspect(
     """
     from fieldkit.presentation.import_view import document, lines
 
-    gathered, _ = _gathered(files, format, given, columns)
+    gathered, _ = _gathered(files, format, given_columns(given, {}), columns)
     _complain_of(gathered.rejected, ())
     if json:
         print_json(document(gathered.files))
@@ -86,19 +93,18 @@ def inspect(
 
 
 def _gathered(
-    files: Sequence[Path], format: str | None, given: Sequence[str] | None, columns: Sequence[str] | None
+    files: Sequence[Path], format: str | None, given: Mapping[str, str], columns: Sequence[str] | None
 ) -> "tuple[Gathered, Catalogue]":
     """The contents of files, as for an import, and the motors."""
     from fieldkit.services.imports import gather, read_as
 
     check_motor = MotorCheck()
-    how = read_as(format, read_settings(split_settings(given or ()), check_motor), columns or ())
+    how = read_as(format, read_settings(given, check_motor), columns or ())
     with progress("reading") as on_progress:
         gathered = gather(files, check_motor, how, jobs=os.cpu_count() or 1, on_progress=on_progress)
     return gathered, check_motor.catalogue
 
 
-@app.command("import")
 def import_(
     context: typer.Context,
     files: Files,
@@ -109,23 +115,42 @@ def import_(
         bool, typer.Option("--dry-run", help="Show what would happen without changing anything.")
     ] = False,
     json: AsJson = False,
+    **named: str | None,
 ) -> None:
     """Import logs and flight tables into the ledger; duplicates change nothing.
 
-    Rejected rows and files are listed; the rest is imported.
+    Rejected rows and files are listed; the rest is imported. The log of a known rocket gets the dry mass and diameter
+    of its last flight in that configuration, and is compared with its forecast.
     """
     from fieldkit.services.imports import take_in
 
-    gathered, motors = _gathered(files, format, given, columns)
+    settings = given_columns(given, named)
+    gathered, motors = _gathered(files, format, settings, columns)
     with open_ledger(context) as ledger:
+        _complain_of_names(ledger, settings)
         receipt = take_in(ledger, gathered, dry_run=dry_run, motors=motors)
-        forecasts = [] if json or dry_run or not receipt.ids else list(_forecast_lines(ledger, receipt.ids))
-    _complain_of(receipt.rejected, receipt.notes)
-    if json:
-        print_json(_document(receipt))
-    else:
-        _say(receipt, "Would import" if dry_run else "Imported", forecasts)
+        _complain_of(receipt.rejected, receipt.notes)
+        if json:
+            print_json(_document(receipt))
+        else:
+            _say(receipt, "Would import" if dry_run else "Imported")
+            if not dry_run:
+                say_next(ledger, receipt)
     _fail_for(receipt.unusable)
+
+
+def _complain_of_names(ledger: "Ledger", settings: Mapping[str, str]) -> None:
+    """Note names that the ledger does not know and that resemble known ones."""
+    from fieldkit.flight import Flight
+    from fieldkit.services.unknown_names import unknown_names
+
+    flight = Flight().with_changes(**{name: settings.get(name, "") for name in ("rocket", "config", "site")})
+    for phrase in unknown_names(ledger, flight, settings, new=True):
+        complain(f"note: {phrase}")
+
+
+takes_lacking(import_)
+app.command("import")(import_)
 
 
 def _fail_for(unusable: int) -> None:
@@ -160,8 +185,8 @@ def _document(receipt: "Receipt") -> dict[str, object]:
     }
 
 
-def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
-    """Print the counts of an import, one line per file, and forecasts of the imported flights."""
+def _say(receipt: "Receipt", done: str) -> None:
+    """Print the counts of an import, and one line per file."""
     from fieldkit.presentation.import_view import in_a_line
 
     counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
@@ -171,6 +196,29 @@ def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
         say_wrapped(in_a_line(one, system()), "  ")
     if len(receipt.files) > FILES:
         say(f"and {counted(len(receipt.files) - FILES, 'more file')}; --json lists them all")
+
+
+def say_next(ledger: "Ledger", receipt: "Receipt") -> None:
+    """Print what follows from the new flights: of a single log, how it compares with its forecast and what the rocket
+    flies next, as after `add`, or how to complete it; of others, their saved forecasts."""
+    from fieldkit.services.manual_entry import planned_answers
+
+    if not receipt.ids:
+        return
+    flight = ledger.flight(receipt.ids[0])
+    if len(receipt.ids) > 1 or not flight.has_log:
+        _say_forecasts(list(_forecast_lines(ledger, receipt.ids)))
+    elif flight.rocket and flight.motor and flight.dry_mass is not None:
+        print_outcome(ledger, flight)
+    else:
+        examples = EXAMPLES | planned_answers(ledger)
+        typed = examples | {"dry_mass": examples["dry_mass"].replace(" ", "")}
+        lacking = [f"{name}={quote(typed[name])}" for name in EXAMPLES if not getattr(flight, name)]
+        say_wrapped(f"To use it in forecasts: fieldkit edit {quote(receipt.ids[0])} {' '.join(lacking)}")
+
+
+def _say_forecasts(forecasts: Sequence[str]) -> None:
+    """Print a line for each flight with a saved forecast."""
     for line in forecasts[:MAX_COMPARED_FLIGHTS]:
         say_wrapped(line, "  ")
     if len(forecasts) > MAX_COMPARED_FLIGHTS:

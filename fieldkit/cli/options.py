@@ -63,6 +63,15 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
 
 
+LACKING = "What the files lack, for every flight in them; other columns with --set"
+"""Heading of the options of `takes_lacking` in a command's help."""
+
+
+def takes_lacking(command: Callable[..., None]) -> None:
+    """Give a command options for what logs do not contain, which arrive among its `**named`; see `takes_columns`."""
+    takes_columns(command, ("rocket", "config", "motor", "site"), ("dry_mass_g", "diameter_mm"), LACKING)
+
+
 PLAN_TEXTS = ("motor", "config", "rocket", "site")
 """Text columns of a plan that are options of the planning commands."""
 PLAN = "The plan; a number may have a unit, as in 8mph"

@@ -91,3 +91,17 @@ def print_prediction(forecast: "SavedForecast | None") -> None:
     say_wrapped(f"Forecast    {first}", " " * 12)
     for line in others:
         say_wrapped(f"{'':12}{line}")
+
+
+def print_outcome(ledger: "Ledger", flight: "Flight") -> None:
+    """Print how a new flight compares with its forecast, and the next one; if none can be made, the saved one."""
+    from fieldkit.presentation.after_flight_text import outcome_lines
+    from fieldkit.services.after_flight import outcome
+
+    saved, found = prediction_of(ledger, flight), outcome(ledger, known_motors(), flight)
+    if found is None:
+        print_prediction(saved)
+        return
+    say_wrapped(" ".join(outcome_lines(found, system())))
+    if saved is not None and saved.stale:
+        say_wrapped(f"The forecast was stale: {'; '.join(saved.changes_in(system()))}.")

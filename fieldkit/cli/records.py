@@ -21,12 +21,13 @@ from fieldkit.presentation.export import document
 from fieldkit.quantities import counted, in_system, measure, significant, with_sd
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from fieldkit.flight import Flight
     from fieldkit.forecast.one_offs import FlightBesideOthers
     from fieldkit.ledger import FlightSummary, Ledger
     from fieldkit.rocket import Configuration
+    from fieldkit.services.manual_entry import BuildNote
     from fieldkit.services.replay import Recording
 
 app = typer.Typer()
@@ -35,7 +36,7 @@ FlightId = Annotated[
     str,
     typer.Argument(
         metavar="FLIGHT",
-        help="Its id, as `fieldkit flights` lists it, or rocket/id.",
+        help="Its id, as `fieldkit flights` lists it, or rocket/id; last is the one entered most recently.",
         show_default=False,
         autocompletion=flight_ids,
     ),
@@ -213,10 +214,18 @@ def edit(
         changed = read_settings(settings, MotorCheck(), before)
         if "motor" in changed:
             changed = {"tags": tagged(before.with_changes(**changed)).tags} | changed
+        notes: list[BuildNote] = []
+        if changed.keys() & {"rocket", "config"}:
+            from fieldkit.services.manual_entry import as_built
+
+            built, notes = as_built(ledger, before.with_changes(**changed), changed)
+            changed |= {name: getattr(built, name) for note in notes for name in note.columns}
         after = ledger.edit(flight, **changed)
         (id,) = ledger.ids([after])
     if LIFT_OFF in settings:
         note_dry_mass(after)
+    for note in notes:
+        complain(f"note: {in_system(note.text, system())}; edit to change")
     say(
         f"Changed {flight_label(id)}. `fieldkit undo` to undo."
         if after != before
@@ -232,22 +241,23 @@ def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
         if own not in TAGS and nearest(own, TAGS):
             complain(f"note: {unknown('known tag', own, TAGS)}")
     with open_ledger(context) as ledger:
-        _say_tags(flight, ledger.flight(flight).tags, ledger.tag(flight, *named).tags)
+        _say_tags(ledger, ledger.flight(flight), ledger.tag(flight, *named))
 
 
 @app.command()
 def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Remove tags from a flight."""
     with open_ledger(context) as ledger:
-        _say_tags(flight, ledger.flight(flight).tags, ledger.untag(flight, *read_tags(";".join(tags))).tags)
+        _say_tags(ledger, ledger.flight(flight), ledger.untag(flight, *read_tags(";".join(tags))))
 
 
-def _say_tags(flight: str, before: "Sequence[str]", after: "Sequence[str]") -> None:
+def _say_tags(ledger: "Ledger", before: "Flight", flight: "Flight") -> None:
     """Print the tags of a flight, and how to undo a change of them."""
+    (id,), after = ledger.ids([flight]), flight.tags
     tags = (
         f"has the tags {'; '.join(after)}" if len(after) > 1 else f"has the tag {after[0]}" if after else "has no tags"
     )
-    say(f"{flight_label(flight, 'Flight')} {tags}" + (". `fieldkit undo` to undo." if before != after else ""))
+    say(f"{flight_label(id, 'Flight')} {tags}" + (". `fieldkit undo` to undo." if before.tags != after else ""))
 
 
 @app.command()
@@ -257,7 +267,7 @@ def remove(
         list[str],
         typer.Argument(
             metavar="FLIGHT...",
-            help="Its id, as `fieldkit flights` lists it, or rocket/id.",
+            help="Its id, as `fieldkit flights` lists it, or rocket/id; last is the one entered most recently.",
             show_default=False,
             autocompletion=flight_ids,
         ),

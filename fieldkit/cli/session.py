@@ -55,6 +55,11 @@ def known_motors(*, always: bool = False) -> "Catalogue":
     return motors
 
 
+def given_columns(arguments: Sequence[str] | None, named: Mapping[str, str | None]) -> dict[str, str]:
+    """Columns and values of `--set COLUMN=VALUE` and of options `named` after columns. Raises BadParameter."""
+    return split_settings(arguments or ()) | {name: text for name, text in named.items() if text is not None}
+
+
 def split_settings(arguments: Sequence[str]) -> dict[str, str]:
     """Columns and values of `COLUMN=VALUE` arguments. Raises BadParameter for one without `=`."""
     for argument in arguments:

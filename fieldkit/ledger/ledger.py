@@ -121,8 +121,7 @@ class Ledger:
 
     def edit(self, id: str, **changes: object) -> Flight:
         """Change fields of a flight and return it. Raises LedgerError if another flight has the new name, BadValue."""
-        what = f"{id} ({', '.join(changes)})"
-        return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
+        return self._alter(id, "edit", f"({', '.join(changes)})", lambda flight: _edited(flight, changes))
 
     def edit_all(
         self, ids: Sequence[str], what: str, beside: Mapping[str, Content] | None = None, /, **changes: object
@@ -165,7 +164,7 @@ class Ledger:
         def tagged(flight: Flight) -> Flight:
             return flight.with_changes(tags=tuple(dict.fromkeys((*flight.tags, *tags))))
 
-        return self._alter(id, "tag", f"{id} {' '.join(tags)}", tagged)
+        return self._alter(id, "tag", " ".join(tags), tagged)
 
     def untag(self, id: str, *tags: str) -> Flight:
         """Remove tags from a flight. Raises LedgerError for a tag that it does not have."""
@@ -176,24 +175,25 @@ class Ledger:
                     raise LedgerError(f"{id} has no tag {tag!r}, it has {', '.join(flight.tags) or 'none'}")
             return flight.with_changes(tags=tuple(tag for tag in flight.tags if tag not in tags))
 
-        return self._alter(id, "untag", f"{id} {' '.join(tags)}", untagged)
+        return self._alter(id, "untag", " ".join(tags), untagged)
 
     def _alter(self, id: str, command: str, what: str, change: Callable[[Flight], Flight]) -> Flight:
         with self._changing() as recorder:
             stored = naming.resolve(recorder.connection, id)
-            flight = change(stored.flight)
+            (name,), flight = naming.ids_of(recorder.connection, [stored]), change(stored.flight)
             if book.replace(recorder, stored, flight):
-                recorder.sign(command, what)
+                recorder.sign(command, f"{name} {what}")
         return flight
 
     def remove(self, *ids: str) -> list[Flight]:
         """Remove flights and return them; `undo` restores them."""
         with self._changing() as recorder:
             gone = list({stored.entry: stored for stored in naming.resolve_all(recorder.connection, ids)}.values())
+            names = naming.ids_of(recorder.connection, gone)
             for stored in gone:
                 book.remove(recorder, stored)
             if gone:
-                recorder.sign("remove", _listed(ids))
+                recorder.sign("remove", _listed(names))
         return [stored.flight for stored in gone]
 
     def undo_step(self) -> UndoStep:

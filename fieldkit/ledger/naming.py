@@ -1,15 +1,17 @@
-"""The id of a flight: its flight_id if unique, else rocket/flight_id."""
+"""The id of a flight: its flight_id if unique, else rocket/flight_id; `last` is the one entered most recently."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from sqlalchemy import Connection, or_, select, tuple_
 
 from fieldkit.errors import LedgerError, nearest
-from fieldkit.ledger.finding import Identity, StoredFlight, find
+from fieldkit.ledger.finding import Identity, StoredFlight, find, latest
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 from fieldkit.quantities import counted
 
+LATEST_FLIGHT = "last"
+"""Refers to the flight that was entered most recently, unless a flight has this name."""
 MAX_SLASHES = 10_000
 """Number of slashes in texts up to which each is tried as the end of a rocket's name; SQLite limits a query to 32,766
 values. [1]"""
@@ -26,6 +28,13 @@ def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, 
         for name in {flight_id, f"{rocket}/{flight_id}"} & short:
             counts[name] = counts.get(name, 0) + 1
     return {(r, f): f if counts.get(f, 1) == 1 else f"{r}/{f}" for r, f in wanted}
+
+
+def ids_of(connection: Connection, stored: Sequence[StoredFlight]) -> list[str]:
+    """The ids of stored flights, in order."""
+    identities = [(one.flight.rocket, one.flight.flight_id) for one in stored]
+    known = ids(connection, identities)
+    return [known[identity] for identity in identities]
 
 
 def _identities_meant(connection: Connection, texts: Collection[str]) -> Iterator[Identity]:
@@ -57,6 +66,12 @@ def resolve_all(connection: Connection, texts: Sequence[str]) -> list[StoredFlig
     for identity in known:
         for name in {identity[1], "/".join(identity)}:
             by_name.setdefault(name, []).append(identity)
+    if (
+        LATEST_FLIGHT in texts
+        and LATEST_FLIGHT not in by_name
+        and (newest := latest(connection, None, None)) is not None
+    ):
+        by_name[LATEST_FLIGHT] = [(newest.rocket, newest.flight_id)]
     wanted = [_the_one(connection, text, by_name.get(text, []), known) for text in texts]
     stored = {(one.flight.rocket, one.flight.flight_id): one for one in find(connection, wanted)}
     return [stored[identity] for identity in wanted]

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
 from typing import Any
@@ -14,6 +15,7 @@ from fieldkit.flight.plausibility import middles
 from fieldkit.forecast.conformal import are_numbers
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger, StoredPrediction
+from fieldkit.messages import message, of_column
 from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.motors.motor import without_motor
 from fieldkit.motors.names import parse, with_delay
@@ -205,6 +207,27 @@ def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tup
             if value is not None:
                 flight, filled = flight.with_changes(**{question.name: value}), [*filled, question.name]
     return flight, tuple(filled)
+
+
+@dataclass(frozen=True, slots=True)
+class BuildNote:
+    """What was filled in about a flight's build, or what is missing, and the columns that change it."""
+
+    text: str
+    columns: tuple[str, ...]
+
+
+def as_built(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, list[BuildNote]]:
+    """A flight in its rocket's only configuration, with the dry mass and diameter that are known of its build, unless
+    they were answered, and notes on that. Raises BadValue for a saved answer that cannot be read."""
+    flight, named = with_only_config(ledger, flight, answered)
+    flight, filled = with_build(ledger, flight, answered)
+    notes = [BuildNote(named, ("config",))] if named else []
+    if filled:
+        known = [(BY_NAME[one], value) for one in filled if (value := flight.number(one)) is not None]
+        values = [f"{column.title.lower()} {of_column(column, value)}" for column, value in known]
+        notes.append(BuildNote(message(f"filled in {', '.join(values)}"), filled))
+    return flight, notes
 
 
 def usual(ledger: Ledger, motors: Catalogue, flight: Flight) -> dict[str, float]:

@@ -169,8 +169,8 @@ def readout_exclusions(flight: Flight, found: Found) -> list[str]:
 
 
 def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
-    """A line for each rocket and each figure that its clean flights with readouts lack, so that they are excluded
-    from every fit: the dry mass, or a known motor."""
+    """A line for each rocket and what its clean flights with readouts lack, so that they are excluded from every
+    fit: the dry mass, or a known motor."""
     lacking: dict[tuple[str, str], list[str]] = {}
     known: dict[str, Found | None] = {}
     for flight in flights:
@@ -178,24 +178,29 @@ def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str
             continue
         if flight.motor not in known:
             known[flight.motor] = _resolved(flight.motor, motors)
-        reason = "no dry mass" if flight.dry_mass is None else "" if known[flight.motor] else "no known motor"
-        if reason:
+        if reason := _lacks(flight, known[flight.motor]):
             lacking.setdefault((flight.rocket, reason), []).append(flight.flight_id)
     return [
         f"{rocket + ': ' if rocket else ''}{_named(ids)} {'is' if len(ids) == 1 else 'are'} excluded from every fit: "
-        f"{reason}; edit to add it"
+        f"{reason}; edit to add {'it' if reason.count('no ') == 1 else 'them'}"
         for (rocket, reason), ids in lacking.items()
     ]
+
+
+def _lacks(flight: Flight, found: Found | None) -> str:
+    """What a flight on a motor lacks that every fit needs: `no rocket, no motor, no dry mass`; empty if nothing."""
+    motor = "no known motor" if flight.motor else "no motor"
+    needed: dict[str, object] = {motor: found, "no dry mass": flight.dry_mass}
+    lacking = [name for name, value in needed.items() if value is None]
+    return ", ".join(["no rocket"] * bool(lacking and not flight.rocket) + lacking)
 
 
 def exclusion(flight: Flight, motors: Catalogue) -> str:
     """Why a clean flight is excluded from every fit; empty if it is used."""
     if not flight.readouts():
         return "no readouts"
-    if flight.dry_mass is None:
-        return "no dry mass"
     found = _resolved(flight.motor, motors)
-    return implausible(flight, found.motor) or "" if found else "no known motor"
+    return _lacks(flight, found) or (implausible(flight, found.motor) if found else None) or ""
 
 
 def used_except(flight: Flight, motors: Catalogue) -> str:

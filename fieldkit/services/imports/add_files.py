@@ -11,7 +11,7 @@ the user to decide.
 
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime, time
 from math import hypot
 from pathlib import Path
@@ -27,10 +27,12 @@ from fieldkit.importing.read import read_stored
 from fieldkit.importing.tables.mapping import remember
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.ledger import Ledger, Renewal
+from fieldkit.messages import marked, message
 from fieldkit.motors import Catalogue, catalogue
 from fieldkit.services.imports.gather import Gathered, ReadAs, gather
 from fieldkit.services.imports.remeasure import as_held, format_of, renewed, which
 from fieldkit.services.imports.view import FileView
+from fieldkit.services.manual_entry import as_built
 from fieldkit.services.plausible_flights import excluded_readouts, implausible_flights, incomplete_flights, outlying
 
 if TYPE_CHECKING:
@@ -207,6 +209,8 @@ def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False, moto
     notes name new flights that are impossible on their motor, and those that no fit can use. Raises FieldkitError if
     something cannot be saved."""
     sorting = sorted_out(ledger, gathered.incoming_flights, gathered.choices)
+    built = [_as_built(ledger, one) for one in sorting.new]
+    sorting.new = [incoming for incoming, _ in built]
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
     for mapped in gathered.mapped:
         if mapped.chosen and not dry_run:
@@ -222,6 +226,7 @@ def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False, moto
         (
             *gathered.notes,
             *sorting.notes,
+            *(note for one, notes in built if _is_among(one, set(added.new)) for note in notes),
             *implausible,
             *unused,
             *incomplete,
@@ -232,6 +237,16 @@ def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False, moto
         gathered.files,
         gathered.unusable,
     )
+
+
+def _as_built(ledger: Ledger, incoming: IncomingFlight) -> tuple[IncomingFlight, list[str]]:
+    """A log's flight with what is known of the build of its rocket, as a typed flight gets it, and notes on that. A row
+    of a table stays as it is: a table has a column for the mass, or flights of many years."""
+    if incoming.row is not None or not incoming.flight.rocket:
+        return incoming, []
+    flight, notes = as_built(ledger, incoming.flight, ())
+    label = flight_label(flight.flight_id)
+    return replace(incoming, flight=flight), [message(f"{label}: {marked(one.text)}; edit to change") for one in notes]
 
 
 def _implausible(incoming_flights: Sequence[IncomingFlight], motors: Catalogue) -> Iterator[str]:
@@ -298,7 +313,12 @@ def _by_rocket(incoming_flights: Sequence[IncomingFlight], added: set[str]) -> d
     """The added flights of each named rocket, by name."""
     rockets: dict[str, dict[str, IncomingFlight]] = {}
     for one in incoming_flights:
-        name = one.flight.flight_id
-        if one.flight.rocket and added & {name, f"{one.flight.rocket}/{name}"}:
-            rockets.setdefault(one.flight.rocket, {})[name] = one
+        if one.flight.rocket and _is_among(one, added):
+            rockets.setdefault(one.flight.rocket, {})[one.flight.flight_id] = one
     return rockets
+
+
+def _is_among(one: IncomingFlight, added: set[str]) -> bool:
+    """Whether a flight is among those added, by their ids."""
+    name = one.flight.flight_id
+    return bool(added & {name, f"{one.flight.rocket}/{name}"})
