@@ -132,29 +132,6 @@ class Diagnosis:
         places = self.posterior.best().places if self.effect == UNEXPLAINED else ()
         return tuple(place for place in places if not place.effect)
 
-    def over_scales(self) -> "Diagnosis":
-        """The same diagnosis with every fit averaged over its scales: enough to show and to accept it, while all fits
-        take a hundred megabytes."""
-        averaged: dict[int, Fit] = {}
-
-        def of(fit: Fit) -> Fit:
-            if id(fit) not in averaged:
-                averaged[id(fit)] = fit.over_scales()
-            return averaged[id(fit)]
-
-        def trials(some: Sequence[Trial]) -> tuple[Trial, ...]:
-            return tuple(Trial(one.candidate, of(one.fit)) for one in some)
-
-        return replace(
-            self,
-            base=replace(self.base, fit=of(self.base.fit)),
-            posterior=SetPosterior(
-                tuple(replace(one, fit=of(one.fit), sampled=None) for one in self.posterior.hypotheses)
-            ),
-            ranking=tuple(replace(one, trials=trials(one.trials)) for one in self.ranking),
-            verdict=replace(self.verdict, accepted=trials(self.verdict.accepted)),
-        )
-
 
 def diagnose(
     model: Model,

@@ -129,7 +129,7 @@ def _likely(posterior: SetPosterior, window: float) -> list[tuple[Hypothesis, Fi
     """The probable hypotheses, most probable first, each with its fit whose scales are integrated around their mode."""
     order = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
     near = [one for one in order if one.log_weight > order[0].log_weight - window - SCREENING_ERROR][:MAX_REFINED]
-    fits = [around_mode(one.fit) for one in near]
+    fits = [around_mode(one.fit).unsolved() for one in near]
     weight = np.array([one.log_prior + fine.log_evidence for one, fine in zip(near, fits, strict=True)])
     best = weight.max(initial=-np.inf, where=np.isfinite(weight))
     rows = [int(row) for row in np.argsort(-weight) if weight[row] > best - window]

@@ -118,7 +118,7 @@ def try_all(
     for candidate, result in zip(owners, fits, strict=True):
         known = best.get(candidate.place)
         if known is None or result.log_evidence > known.log_evidence:
-            best[candidate.place] = result
+            best[candidate.place] = result.unsolved()
     return [trial for family in families.values() for trial in _with_a_say(family, best)]
 
 

@@ -96,12 +96,6 @@ class Findings:
     rivals: tuple[RivalScore, ...] = ()
     """Simple forecasts of each flight from the earlier ones."""
 
-    def over_scales(self) -> "Findings":
-        """The same findings with less memory, as of `Diagnosis.over_scales`."""
-        diagnosis = self.diagnosis.over_scales()
-        marks = (marks for _, marks in self.fingerprints)
-        return replace(self, diagnosis=diagnosis, fingerprints=tuple(zip(_shown(diagnosis), marks, strict=True)))
-
 
 def findings(
     rocket: str,

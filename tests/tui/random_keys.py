@@ -84,7 +84,7 @@ async def handled(app: FieldkitApp) -> None:
 def report(done: int, errors: list[Exception], last: "deque[str]") -> None:
     """Write how many keys were pressed, and the new errors with the last keys before them, to the error output."""
     for error in errors:
-        sys.stderr.writelines(traceback.format_exception(error))
+        sys.stderr.write("".join(traceback.format_exception(error)))
         sys.stderr.write(f"after {done:,} keys, the last of them {' '.join(last)}\n")
     if done % REPORTED == 0:
         sys.stderr.write(f"{done:,} keys, {resident():.0f} MB\n")

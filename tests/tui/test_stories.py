@@ -1,6 +1,5 @@
 """What went wrong for flyers at the launch site, each as a story that must not repeat."""
 
-import json
 import math
 import re
 from datetime import UTC, datetime, timedelta
@@ -19,7 +18,7 @@ from fieldkit.settings import change_settings
 from fieldkit.tui.next.intervals import HeightScale, IntervalBar, Intervals, bar
 from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.widgets.big import GLYPHS, Big
-from tests.pressing import ROOT, at_home, looked_at, opened, press, shown, text_of, typed, words
+from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -275,11 +274,6 @@ async def test_home_lists_tags_and_the_miss_of_every_flight_and_explains_the_sel
         assert not pilot.app.screen.query("Pane")
 
 
-def digits(number: str) -> float:
-    """A number rounded to what the order of its sums cannot change."""
-    return float(f"{float(number):.6g}")
-
-
 async def final_figure(pilot: Pilot[None]) -> str:
     """The apogee on the Fly page of the motor under the cursor, once its forecast is final."""
     for _ in range(400):
@@ -376,18 +370,3 @@ async def test_the_button_that_saves_is_in_sight_on_a_large_screen(file: Path) -
     async with opened(file, (160, 50), page="add") as pilot:
         assert pilot.app.screen.query_one("#save").region.bottom <= 48
         assert "Save this flight" in shown(pilot)
-
-
-def test_findings_averaged_over_scales_say_the_same_in_a_tenth_of_the_memory(file: Path) -> None:
-    from fieldkit.presentation.json_documents import loop_document
-
-    found = looked_at()
-    light = found.over_scales()
-    assert json.loads(json.dumps(loop_document(light)), parse_float=digits) == json.loads(
-        json.dumps(loop_document(found)), parse_float=digits
-    )
-    size, before = (
-        sum(one.fit.covariance.size + one.fit.evidence.sharpness.size for one in some.diagnosis.posterior.hypotheses)
-        for some in (light, found)
-    )
-    assert size < 0.1 * before

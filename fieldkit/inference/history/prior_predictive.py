@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.moments import Moments, moments
-from fieldkit.inference.laplace.posterior import flight_evidence, prior_precision
+from fieldkit.inference.laplace.posterior import Solution, flight_evidence, prior_precision
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Model
 from fieldkit.shapes import Array, Float
@@ -83,10 +83,6 @@ def without_data(linear: LinearFit) -> Moments:
     """The forecasts of a linear fit's plans from the prior alone, at the same point of linearization."""
     fit = linear.fit
     means = np.array([term.mean for term in fit.model.terms])
-    prior = replace(
-        fit,
-        mean=np.broadcast_to(means, fit.mean.shape),
-        covariance=_prior_covariance(fit.model),
-        log_weight=fit.model.hyperprior.scales()[2],
-    )
+    solution = Solution(fit.evidence, np.broadcast_to(means, fit.mean.shape), _prior_covariance(fit.model))
+    prior = replace(fit, solution=solution, log_weight=fit.model.hyperprior.scales()[2])
     return moments(replace(linear, fit=prior))

@@ -6,6 +6,7 @@ factors on a grid, weighted by their evidence.
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import isfinite, log, pi
 
 import numpy as np
@@ -114,25 +115,54 @@ class FlightEvidence:
         return inverses(self.sharpness)[0]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """The normal posterior of the terms, of covariance `covariance`, for every pair of scales, beside the evidence of
+    the flights that it rests on."""
+
+    evidence: FlightEvidence
+    mean: Float[Array, "scale term"]
+    covariance: Float[Array, "scale term term"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Fit:
     """The normal posterior of the terms for every pair of scales, at the last point of linearization.
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of prior weight times
-    evidence of each pair (not normalized; its log-sum is the log evidence of the model). `covariance` is the covariance
-    of the terms. `flight_weight` is as in `solve`, with which the log evidence is a lower bound; None for normal
-    flights. `scales` are the pairs of scales of an unfinished fit, None for all.
+    evidence of each pair (not normalized; its log-sum is the log evidence of the model). `flight_weight` is as in
+    `solve`, with which the log evidence is a lower bound; None for normal flights. `scales` are the pairs of scales of
+    an unfinished fit, None for all. Without its `solution`, the fit is solved again when more of it is read than
+    `known_moments`, as of `moments`.
     """
 
     model: Model
     data: Data
     tangent: Tangent
-    evidence: FlightEvidence
-    mean: Float[Array, "scale term"]
-    covariance: Float[Array, "scale term term"]
+    solution: Solution | None
     log_weight: Float[Array, "scale"]
     flight_weight: Float[Array, "flight"] | None = None
     scales: Int[Integers, "scale"] | None = None
+    known_moments: tuple[Float[Array, "term"], Float[Array, "term"]] | None = None
+
+    @property
+    def evidence(self) -> FlightEvidence:
+        """The information in each flight's readouts."""
+        return self._solved.evidence
+
+    @property
+    def mean(self) -> Float[Array, "scale term"]:
+        """Mean of the terms, in their units."""
+        return self._solved.mean
+
+    @property
+    def covariance(self) -> Float[Array, "scale term term"]:
+        """Covariance of the terms, in their units."""
+        return self._solved.covariance
+
+    @property
+    def _solved(self) -> Solution:
+        return self.solution or _solution_of(self)
 
     @property
     def log_evidence(self) -> float:
@@ -150,25 +180,15 @@ class Fit:
 
     def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
         """Posterior mean and standard deviation of every term, in its unit."""
+        if self.known_moments is not None:
+            return self.known_moments
         weights, variance = self.weights, np.diagonal(self.covariance, axis1=1, axis2=2)
         mean = weights @ self.mean
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 
-    def over_scales(self) -> "Fit":
-        """A fit with the same evidence and moments at one pair of scales, in a fraction of the memory: the normal
-        distribution of the terms averaged over all pairs, beside the readouts' evidence at the likeliest."""
-        weights, likeliest = self.weights, np.array([np.argmax(self.log_weight)])
-        mean = weights @ self.mean
-        off = self.mean - mean
-        covariance = np.tensordot(weights, self.covariance, 1) + (weights * off.T) @ off
-        return replace(
-            self,
-            evidence=self.evidence.at(likeliest),
-            mean=mean[None],
-            covariance=covariance[None],
-            log_weight=np.array([self.log_evidence]),
-            scales=likeliest if self.scales is None else self.scales[likeliest],
-        )
+    def unsolved(self) -> "Fit":
+        """The same fit without its solution, in a small fraction of the memory: a search keeps hundreds."""
+        return replace(self, solution=None, known_moments=self.moments())
 
 
 def solve(
@@ -196,11 +216,19 @@ def solve(
     mean, covariance, log_weight = _weighed(model, (slope.T @ weighed, missed @ slope, missed @ miss), every, group)
     evidence = evidence.at(group)
     log_weight = log_weight - 0.5 * evidence.log_det.sum(axis=1)
-    found = Fit(model, data, near, evidence, mean, covariance, log_weight, scales=which)
+    found = Fit(model, data, near, Solution(evidence, mean, covariance), log_weight, scales=which)
     if flight_weight is None:
         return found
     tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
     return replace(found, log_weight=found.log_weight + tail.sum(), flight_weight=flight_weight)
+
+
+@lru_cache(maxsize=1)
+def _solution_of(fit: Fit) -> Solution:
+    """The solution that a fit was stored without."""
+    again = solve(fit.model, fit.data, fit.tangent, fit.flight_weight, fit.scales).solution
+    assert again is not None
+    return again
 
 
 def probable_scales(known: Fit) -> Int[Integers, "scale"]:

@@ -65,7 +65,7 @@ def look(resources: Resources, rocket: str, on_progress: ReportProgress) -> Find
     Raises NoFlights if there are too few flights.
     """
     fits = resources.comparisons.fits(resources.ledger, rocket)
-    return close_loop.look(resources.ledger, resources.motors, rocket, on_progress, fits=fits).over_scales()
+    return close_loop.look(resources.ledger, resources.motors, rocket, on_progress, fits=fits)
 
 
 def beside_the_others(resources: Resources, rocket: str) -> tuple[FlightBesideOthers, ...]:

@@ -49,9 +49,12 @@ def test_other_parameters_do_not_pass(answer: QuickAnswer) -> None:
     """A pass whose posterior is far from the model's, or much too narrow, has unreliable weights."""
     fit = answer.linear.fit
     sds = np.sqrt(np.diagonal(fit.covariance, axis1=1, axis2=2))
-    moved = replace(answer, cases=((1.0, replace(answer.linear, fit=replace(fit, mean=fit.mean + 2 * sds))),))
-    narrow = replace(fit, covariance=0.05 * fit.covariance)
-    narrow = replace(answer, cases=((1.0, replace(answer.linear, fit=narrow)),))
+
+    def passed(**other: object) -> QuickAnswer:
+        linear = replace(answer.linear, fit=replace(fit, solution=replace(fit.solution, **other)))
+        return replace(answer, cases=((1.0, linear),))
+
+    moved, narrow = passed(mean=fit.mean + 2 * sds), passed(covariance=0.05 * fit.covariance)
     own = check(answer)
     assert own.parameters_effective > 3 * check(moved).parameters_effective
     assert check(narrow).pareto_k > own.pareto_k

@@ -153,6 +153,16 @@ def test_fits_at_the_same_point_are_continued_once() -> None:
     assert found[0] is found[1]
 
 
+def test_a_fit_stored_without_its_solution_is_solved_to_the_same() -> None:
+    solved = fit(model(), seasons()[0], outlier_flights=True)
+    stored = solved.unsolved()
+    assert stored.solution is None
+    pairs = zip(stored.moments(), solved.moments(), strict=True)
+    pairs = [*pairs, (stored.mean, solved.mean), (stored.covariance, solved.covariance)]
+    for one, other in [*pairs, (stored.evidence.sharpness, solved.evidence.sharpness)]:
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
 @pytest.mark.thorough
 def test_a_step_that_reverses_direction_is_halved() -> None:
     settled = fits()[0]
