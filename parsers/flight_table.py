@@ -36,8 +36,10 @@ from fieldkit.importing.tables.flight_headings import (
     ColumnRole,
     beside_a_motor,
     headings_of,
+    judged_name,
     mass_column,
     mass_names,
+    plain,
     renamed,
     role_of,
     shape,
@@ -141,10 +143,17 @@ def _headings(names: Sequence[str], header_row: int, table: Iterable[TableRow], 
     day_first = is_day_first(cells_of("date_time", headings, table))
     if not named and are_mere_numbers(headings, table):
         headings = [replace(one, field="") if one.field == "flight_id" else one for one in headings]
+    headings = [one if one.field or one.beside else _judged(one) for one in headings]
     return [
         replace(one, day_first=day_first, loose=not is_own_date(one.spelled)) if one.field == "date_time" else one
         for one in headings
     ]
+
+
+def _judged(one: ColumnRole) -> ColumnRole:
+    """A column that is no field of a flight: under fieldkit's own name, if it says how a contest flight was judged."""
+    name = judged_name(one.spelled)
+    return replace(one, kept_as=name, loose=one.loose or (bool(name) and name != plain(one.spelled)))
 
 
 def _refuse_simulations(names: Sequence[str]) -> None:
@@ -200,7 +209,8 @@ def _holds_numbers(heading: ColumnRole) -> bool:
 
 def _columns(headings: Sequence[ColumnRole]) -> dict[str, str]:
     """The table's name of each field of a flight, and of the masses that are none."""
-    named = {heading.field: heading.spelled for heading in reversed(headings) if heading.field}
+    fields = [(heading.field or heading.kept_as, heading.spelled) for heading in reversed(headings)]
+    named = {field: spelled for field, spelled in fields if field}
     return named | {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
 
 
@@ -243,7 +253,7 @@ def _reading(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Readin
             elif heading.beside:
                 known[heading.beside] = _value_beside(cell, heading, heading.beside, mark)
             elif cell.strip():
-                extra[heading.spelled] = _known_header(cell, heading)
+                extra[heading.kept_as or heading.spelled] = _known_header(cell, heading)
         except BadValue as error:
             problem = DamagedLog(str(error), row=row, column=heading.spelled or None)
             if not heading.loose:
@@ -299,7 +309,7 @@ def _known_header(cell: str, heading: ColumnRole) -> str:
     if not heading.spelled:
         raise BadValue(f"found {shown(cell)} under an empty header, expected a name for the column")
     text = from_cell(cell)
-    check_judged(heading.spelled, text)
+    check_judged(heading.kept_as, text)
     return text
 
 

@@ -309,7 +309,7 @@ def _recognition(found: Sequence[Parsed], tables: Sequence[TableRead]) -> Recogn
     }
     columns_read = [_stated_column(field, name) for field, name in named.items()]
     used = {column.name for column in columns_read}
-    extra = dict.fromkeys(name for item in readings for name in item.extra if name not in used)
+    extra = dict.fromkeys(name for item in readings for name in item.extra if name not in {*used, *named})
     columns_read += [ColumnRead(name, "", "", "text") for name in extra]
     return Recognition(columns=tuple(columns_read), rows=len(readings), dropped=damaged)
 

@@ -703,3 +703,23 @@ def test_units_are_read_in_any_spelling(header: str, cell: str, si: float) -> No
     others = "rocket,motor" if field == "apogee" else "rocket,motor,apogee_m"
     row = "Swift,C6-5" if field == "apogee" else "Swift,C6-5,281"
     assert flight(f"{others},{header}", f"{row},{cell}").number(field) == pytest.approx(si, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("headers", "cells", "kept"),
+    [
+        ("Time 1,Time 2", "39.1,39.3", {"timer_1_s": "39.1", "timer_2_s": "39.3"}),
+        ("Stopwatch 1 (s),Watch 2 (sec)", "39.1,39.3", {"timer_1_s": "39.1", "timer_2_s": "39.3"}),
+        ("Timer A,Timer B", "39.1,-", {"timer_1_s": "39.1", "timer_2_s": "-"}),
+        ("Egg status,DQ", "1 cracked,no", {"eggs": "1 cracked", "disqualified": "no"}),
+        ("Timer 1 (s),Eggs", "39.1,both ok", {"timer_1_s": "39.1", "eggs": "both ok"}),
+    ],
+)
+def test_how_a_contest_flight_was_judged_is_kept_under_one_name(headers: str, cells: str, kept: dict[str, str]) -> None:
+    assert flight(f"rocket,motor,apogee_ft,{headers}", f"Swift,F39-6T,801,{cells}").extra == kept
+
+
+def test_a_judged_cell_under_another_name_that_cannot_be_read_does_not_cost_the_flight() -> None:
+    got = imported("rocket,motor,apogee_ft,Time 1\nSwift,F39-6T,801,about 40\nSwift,F39-6T,790,38.1\n")
+    assert [one.extra for one in got.flights] == [{"Time 1": "about 40"}, {"timer_1_s": "38.1"}]
+    assert got.notes == ("t.csv, row 2: Time 1: found 'about 40', expected seconds such as 38.42: saved as text",)

@@ -13,6 +13,7 @@ from importlib.resources import files
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
+from fieldkit.flight.further import JUDGED_COLUMNS
 from fieldkit.flight.readout import ReadoutColumn, beside
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.tables.text import first_names, no_column, shown
@@ -32,7 +33,8 @@ _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 class ColumnRole:
     """The content of one column: a field of `Flight`, a value `beside` a readout (its sd or source), or neither.
 
-    `unit` is empty if the cells include theirs; `loose` if the name may mean something else as well; `repeats` is the
+    `kept_as` is the name under which the ledger has a column of how a contest flight was judged, else empty. `unit` is
+    empty if the cells include theirs; `loose` if the name may mean something else as well; `repeats` is the
     earlier column with the same meaning, if any. `day_first` is the order of its dates, or None if unknown.
     """
 
@@ -43,11 +45,14 @@ class ColumnRole:
     loose: bool = False
     repeats: str = ""
     day_first: bool | None = None
+    kept_as: str = ""
 
     @property
     def key(self) -> str:
         """Identifier of the meaning of a column."""
-        return f"{self.beside.readout} {self.beside.part}" if self.beside else self.field or self.spelled.lower()
+        if self.beside:
+            return f"{self.beside.readout} {self.beside.part}"
+        return self.field or self.kept_as or self.spelled.lower()
 
 
 def shape(cells: Sequence[str]) -> tuple[str, ...]:
@@ -136,6 +141,14 @@ def _known_names() -> Mapping[str, Mapping[str, str]]:
 def synonyms() -> Mapping[str, str]:
     """Other names of columns, and fieldkit's own."""
     return _usual_names("anywhere")
+
+
+def judged_name(spelled: str) -> str:
+    """fieldkit's own name of a column of how a contest flight was judged, such as `timer_1_s`; empty for another."""
+    words = plain(spelled)
+    bare = words.removesuffix(f"_{stated_unit(spelled)}")
+    names = {**_usual_names("judged"), **{name: name for name in JUDGED_COLUMNS}}
+    return next((names[one] for one in (words, bare, usual_name(bare)) if one in names), "")
 
 
 @cache

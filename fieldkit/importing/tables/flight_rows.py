@@ -14,6 +14,9 @@ TableRow = tuple[int, list[str] | DamagedLog]
 """A row of a table with its number: its cells, or why they cannot be read."""
 _NO_UNIT = frozenset({"", "-", "–", "—", "text", "name", "date", "time", "yyyy-mm-dd", "hh:mm", "n/a"})
 """Cells of a row of units in a column without a unit, in lower case."""
+_TIMED, _EGGS = "seconds such as 38.42", "intact or cracked, such as 2 intact"
+_EXPECTED = {"timer_1_s": _TIMED, "timer_2_s": _TIMED, "eggs": _EGGS}
+"""What a cell of how a contest flight was judged should be, by fieldkit's name of its column."""
 _SUMMARIES = frozenset(
     [
         *("total", "totals", "sum", "average", "averages", "avg", "mean", "median", "max", "maximum", "min", "minimum"),
@@ -107,20 +110,24 @@ def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Parsed]) -> lis
     """A note for each column of whose cells some are saved as text, because they are not what its name promises."""
     notes = []
     for heading in headings:
-        if not (heading.loose and heading.field):
+        if not (heading.loose and (heading.field or heading.kept_as)):
             continue
         kept = [
-            one
-            for one in found
-            if isinstance(one, Reading) and heading.spelled in one.extra and one.stated.get(heading.field) is None
+            one for one in found if isinstance(one, Reading) and heading.spelled in one.extra and _lacks(one, heading)
         ]
         if kept:
-            expected = f"a number in {heading.unit}" if heading.unit else "a date such as 2026-05-01"
+            of_field = f"a number in {heading.unit}" if heading.unit else "a date such as 2026-05-01"
+            expected = _EXPECTED.get(heading.kept_as, of_field)
             cell = shown(kept[0].extra[heading.spelled])
             times = f", and {counted(len(kept) - 1, 'more cell')}" if len(kept) > 1 else ""
             column = printable(heading.spelled)
             notes.append(Note(f"{column}: found {cell}{times}, expected {expected}: saved as text", kept[0].row))
     return notes
+
+
+def _lacks(one: Reading, heading: ColumnRole) -> bool:
+    """Whether a flight lacks what a column promises."""
+    return heading.kept_as not in one.extra and one.stated.get(heading.field) is None
 
 
 def left_out(row: int, cells: Sequence[str], headings: Sequence[ColumnRole]) -> Note | None:
