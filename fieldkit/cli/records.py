@@ -32,11 +32,12 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+FLIGHT_HELP = "Its id, as `fieldkit flights` lists it, or the beginning of it, or rocket/id; last: the newest entry."
 FlightId = Annotated[
     str,
     typer.Argument(
         metavar="FLIGHT",
-        help="Its id, as `fieldkit flights` lists it, or rocket/id; last is the one entered most recently.",
+        help=FLIGHT_HELP,
         show_default=False,
         autocompletion=flight_ids,
     ),
@@ -267,7 +268,7 @@ def remove(
         list[str],
         typer.Argument(
             metavar="FLIGHT...",
-            help="Its id, as `fieldkit flights` lists it, or rocket/id; last is the one entered most recently.",
+            help=FLIGHT_HELP,
             show_default=False,
             autocompletion=flight_ids,
         ),

@@ -1,4 +1,5 @@
-"""The id of a flight: its flight_id if unique, else rocket/flight_id; `last` is the one entered most recently."""
+"""The id of a flight: its flight_id if unique, else rocket/flight_id. In place of an id, `last` is the flight entered
+most recently, and the beginning of an id is the only flight whose id begins so."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
@@ -12,6 +13,10 @@ from fieldkit.quantities import counted
 
 LATEST_FLIGHT = "last"
 """Refers to the flight that was entered most recently, unless a flight has this name."""
+MIN_BEGINNING = 4
+"""Length from which the beginning of an id may stand for it, so that 1 never means flight 10. [1]"""
+MAX_LISTED = 5
+"""Number of ids listed that begin alike. [1]"""
 MAX_SLASHES = 10_000
 """Number of slashes in texts up to which each is tried as the end of a rocket's name; SQLite limits a query to 32,766
 values. [1]"""
@@ -83,11 +88,19 @@ def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: 
         found = [identity for identity in found if known[identity] == id] or found
     if len(found) > 1:
         raise LedgerError(f"{id} is ambiguous: {' or '.join(sorted(known[one] for one in found))}")
-    if not found:
-        everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
-        near = nearest(id, ids(connection, everything).values(), least=0.4)  # ids are often short
-        hint = (
-            f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {counted(len(everything), 'flight')}"
-        )
-        raise LedgerError(f"no flight {id!r}; {hint}")
-    return found[0]
+    return found[0] if found else _by_beginning(connection, id)
+
+
+def _by_beginning(connection: Connection, id: str) -> Identity:
+    """The only flight whose id begins so. Raises LedgerError that suggests similar ids, or lists those that do."""
+    everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
+    named = {name: identity for identity, name in ids(connection, everything).items()}
+    matches = sorted(name for name in named if name.startswith(id)) if len(id) >= MIN_BEGINNING else []
+    if len(matches) == 1:
+        return named[matches[0]]
+    if matches:
+        more = f" or {counted(len(matches) - MAX_LISTED, 'other')}" if len(matches) > MAX_LISTED else ""
+        raise LedgerError(f"{id} is ambiguous: {' or '.join(matches[:MAX_LISTED])}{more}")
+    near = nearest(id, named, least=0.4)  # ids are often short
+    hint = f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {counted(len(everything), 'flight')}"
+    raise LedgerError(f"no flight {id!r}; {hint}")

@@ -97,3 +97,15 @@ def test_a_flight_named_last_keeps_its_name(flown: Run) -> None:
 def test_a_mistyped_rocket_and_motor_are_reported(flown: Run) -> None:
     assert "no rocket 'Larc'; did you mean Lark?" in flown("import", PNUT, "--rocket", "Larc").err.splitlines()[0]
     assert "no motor 'F2-4'" in flown("import", PNUT, "--motor", "F2-4", status=1).err
+
+
+def test_the_beginning_of_an_id_names_the_only_flight_that_has_it(flown: Run) -> None:
+    flown("import", PNUT, *LARK)
+    assert flown("show", "flight-").out.startswith("Flight                flight-")
+    for name in ("1000", "1001"):
+        flown("add", *LARK, "--flight-id", name, "--apogee", "155m")
+    assert "100 is ambiguous" not in flown("show", "100", status=1).err
+    assert "no flight '100'" in flown("show", "100", status=1).err
+    flown("edit", "1000", "flight_id=alpha-1")
+    flown("edit", "1001", "flight_id=alpha-2")
+    assert "alpha is ambiguous: alpha-1 or alpha-2" in flown("remove", "alpha", status=1).err
