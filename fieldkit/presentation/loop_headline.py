@@ -10,13 +10,11 @@ from fieldkit.physics.effect import effect_named
 from fieldkit.quantities import ShownUnits, in_system, percent
 from fieldkit.selection.candidates import EACH_GROUP
 from fieldkit.selection.trial import Trial
+from fieldkit.selection.verdict import MATCH_PROBABILITY
 from fieldkit.services.findings import Findings
 
 OF_MASS = "fraction of the dry mass"
 """The unit of strengths that a flyer reads as a mass."""
-WORTH_NAMING = 0.2
-"""Probability that something is missing from which a verdict without a name states it: one chance in five is too much
-for "nothing is missing". [1]"""
 SURE_PROBABILITY = 0.9
 """Probability of a verdict from which its sentence is stated without it. [1]"""
 
@@ -88,7 +86,7 @@ def _without_name(found: Findings, system: str) -> str:
     if found.unexplained is not None:
         return f"No known effect explains that {found.unexplained.words(system)}."
     missing = 1 - diagnosis.confidence
-    if missing >= WORTH_NAMING:
+    if missing >= 1 - MATCH_PROBABILITY:
         likely = next((item for item in diagnosis.ranking if item.effect), None)
         first = (
             f", most likely {likely.best.candidate.place.in_words} ({percent(likely.probability)})" if likely else ""

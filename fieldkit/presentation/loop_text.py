@@ -17,6 +17,7 @@ from fieldkit.selection.candidates import Place
 from fieldkit.selection.drag_steps import DragStep
 from fieldkit.selection.logged_forces import LoggedForces
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
+from fieldkit.selection.verdict import MATCH_PROBABILITY
 from fieldkit.services.findings import Compared, Findings, RepeatedFlight
 
 BARS = "▁▂▃▄▅▆▇█"
@@ -25,6 +26,8 @@ MAX_DRAWN = 60
 """Number of latest flights whose misses are drawn. [1]"""
 NAME_WIDTH = 34
 """Width of the names in the table of effects, in characters."""
+NOT_BETTER = ": none makes forecasts of flights left out better"
+"""Why forecasts stay without a correction although something may be missing."""
 MIN_CHANCE_LISTED = 0.01
 """Probability from which an effect is listed in the short report. [1]"""
 MAX_P_SHOWN = 0.1
@@ -182,14 +185,27 @@ def in_next_flight(one: RepeatedFlight, system: str = "SI") -> str:
 
 
 def how_sure(found: Findings) -> str:
-    """How probable the verdict is, in percent and in odds."""
+    """How probable the verdict is, in percent and in odds; and how much of it is something that the loop does not try,
+    so that the rest is what forecasts average over."""
     diagnosis = found.diagnosis
-    sure = diagnosis.confidence
-    if diagnosis.effect == "none":
-        return f"chance that something is missing: {percent(1 - sure)}"
-    what = "something is missing" if diagnosis.effect == "unexplained" else "this is right"
-    what = "it is one of these" if diagnosis.also and len(diagnosis.accepted) == 1 and sure > _alone(found) else what
-    return f"chance that {what}: {percent(sure)} ({in_odds(sure)})"
+    sure, posterior = diagnosis.confidence, diagnosis.posterior
+    if not diagnosis.accepted:
+        missing = 1 - sure if diagnosis.effect == "none" else sure
+        tried, other = _split(missing, 1 - posterior.nothing)
+        parts = f": {tried} an effect or pattern that the loop tries, {other} anything else" if other else ""
+        return f"chance that something is missing: {percent(missing)}{parts}"
+    group = diagnosis.also and len(diagnosis.accepted) == 1 and sure > _alone(found)
+    names = [trial.candidate.effect for trial in diagnosis.accepted]
+    listed = posterior.any_of([*names, *diagnosis.also]) if group else posterior.all_of(names)
+    _, other = _split(listed, sure)
+    beside = f", and {other} that something else is missing, too" if other else ""
+    return f"chance that {'it is one of these' if group else 'this is right'}: {percent(sure)} ({in_odds(sure)}){beside}"
+
+
+def _split(whole: float, part: float) -> tuple[str, str]:
+    """A part of a probability and the rest [1], which add up as shown; the rest is empty below one percent."""
+    rest = round(100 * whole) - round(100 * part)
+    return percent(part), f"{rest}%" if rest >= 1 else ""
 
 
 def _alone(found: Findings) -> float:
@@ -208,7 +224,8 @@ def what_forecasts_become(found: Findings) -> str:
     """The sets that forecasts average over after the verdict is accepted."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
-        return "forecasts use no correction"
+        worse = found.diagnosis.posterior.nothing < MATCH_PROBABILITY and not found.diagnosis.accepted
+        return f"forecasts use no correction{NOT_BETTER if worse else ''}"
     chances: defaultdict[str, float] = defaultdict(float)
     for chance, places in averaged:
         names = dict.fromkeys(_at_any_time(place) for place in places)

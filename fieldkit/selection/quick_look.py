@@ -27,7 +27,7 @@ from fieldkit.scoring.score import Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.prior import UNEXPLAINED, inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
-from fieldkit.selection.verdict import NAMING_PROBABILITY
+from fieldkit.selection.verdict import MATCH_PROBABILITY, MAY_BE_MISSING, NAMING_PROBABILITY
 
 SIMILAR_ODDS = 0.5
 """Another effect is named as an alternative if the ratio of its probability to the verdict's is at least this. [1]"""
@@ -124,8 +124,8 @@ def _verdict(found: EffectProbabilities) -> tuple[str, float]:
 
 
 def _because(effect: str, confidence: float, named: Sequence[QuickCandidate]) -> str:
-    if effect == "none" and confidence <= NAMING_PROBABILITY:
-        return "something may be missing, but nothing is probable enough to name"
+    if effect == "none" and confidence <= MATCH_PROBABILITY:
+        return MAY_BE_MISSING
     if effect == "none":
         return "the flights match the model within their scatter"
     if effect == "unexplained":

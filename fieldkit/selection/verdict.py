@@ -24,6 +24,9 @@ COST_OF_FALSE_NAME = 2.0
 """Ratio of the cost of a false name to that of a missed one. [1]"""
 NAMING_PROBABILITY = COST_OF_FALSE_NAME / (COST_OF_FALSE_NAME + 1.0)
 """Minimum posterior probability for a name. [1]"""
+MATCH_PROBABILITY = 0.8
+"""Minimum probability that nothing is missing for a sentence that says so: one chance in five is too much. [1]"""
+MAY_BE_MISSING = "something may be missing, but nothing is probable enough to name"
 CREDIBLE_LEVEL = 0.9
 """Posterior probability of the credible sets that give a verdict's alternatives, the same as for all intervals. [1]"""
 
@@ -82,7 +85,8 @@ def verdict_that_fits(found: LoopVerdict, check: ModelCheck, nothing: float) -> 
     sure = (nothing if found.effect == "none" else found.confidence) * fits
     doubted = something > NAMING_PROBABILITY if found.effect == "none" else sure <= NAMING_PROBABILITY
     if check.left is None or not doubted:
-        return replace(found, confidence=sure)
+        why = MAY_BE_MISSING if found.effect == "none" and sure <= MATCH_PROBABILITY < nothing else found.why
+        return replace(found, confidence=sure, why=why)
     but = "" if found.effect == "none" else f" beside {found.effect}"
     as_clear = f"a pattern as clear arises in {percent(check.p)} of such histories"
     why = f"no known effect explains {check.pattern}{but}; {as_clear}"
@@ -182,14 +186,13 @@ def _unexplained(posterior: SetPosterior) -> str:
 
 def _nothing_named(posterior: SetPosterior) -> str:
     """Why nothing is named: nothing seems missing, or nothing is probable enough."""
-    if posterior.nothing > NAMING_PROBABILITY:
+    if posterior.nothing > MATCH_PROBABILITY:
         return "the flights match the model within their scatter"
-    why = "something may be missing, but nothing is probable enough to name"
     known = effects().keys() & posterior.inclusion.keys()
     if not known:
-        return why
+        return MAY_BE_MISSING
     likely = max(known, key=lambda name: posterior.inclusion[name])
-    return f"{why}; the most probable is {effects()[likely].title}, {posterior.inclusion[likely]:.0%}"
+    return f"{MAY_BE_MISSING}; the most probable is {effects()[likely].title}, {posterior.inclusion[likely]:.0%}"
 
 
 def in_words(accepted: Sequence[Trial]) -> str:

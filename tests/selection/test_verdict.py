@@ -1,5 +1,6 @@
 """The verdict: probable effects are named, and given effects are accepted."""
 
+import re
 from dataclasses import replace
 from datetime import datetime
 from types import SimpleNamespace
@@ -17,13 +18,21 @@ from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
 from fieldkit.physics.history import history_of
+from fieldkit.presentation.loop_text import how_sure, what_forecasts_become
 from fieldkit.selection import verdict as verdicts
 from fieldkit.selection.candidates import EACH_GROUP, Candidate, Pattern, Place, effect_candidates, effect_terms
-from fieldkit.selection.diagnose import diagnose
+from fieldkit.selection.diagnose import averaged, diagnose
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
+from fieldkit.selection.model_check import ModelCheck
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
-from fieldkit.selection.verdict import COST_OF_FALSE_NAME, NAMING_PROBABILITY, of_heights, verdict
+from fieldkit.selection.verdict import (
+    COST_OF_FALSE_NAME,
+    NAMING_PROBABILITY,
+    of_heights,
+    verdict,
+    verdict_that_fits,
+)
 
 pytestmark = pytest.mark.fast
 
@@ -81,7 +90,7 @@ def test_effects_that_are_probable_enough_are_named(
 @pytest.mark.parametrize(
     ("weights", "why"),
     [
-        ({"": 0.7, "wind": 0.3}, "the flights match the model within their scatter"),
+        ({"": 0.85, "wind": 0.15}, "the flights match the model within their scatter"),
         ({"": 0.6, "wind": 0.4}, "the most probable is weathercocking in the wind, 40%"),
         ({"": 0.4, "heavier_recovery": 0.35, "wind": 0.25}, "the most probable is a wrong mass, 35%"),
         ({"": 0.45, "unexplained": 0.55}, "something may be missing, but nothing is probable enough to name"),
@@ -91,6 +100,37 @@ def test_a_verdict_of_none_does_not_deny_a_probable_unknown_effect(weights: dict
     named = verdict(posterior(weights))
     assert named.effect == "none"
     assert named.why.endswith(why)
+
+
+@pytest.mark.parametrize("p", [1.0, 0.02])
+@pytest.mark.parametrize("weights", [{"": 0.62, "wind": 0.38}, {"": 0.9, "wind": 0.1}, {"": 0.1, "wind": 0.9}])
+def test_a_flyer_can_add_up_the_chances_of_a_verdict(
+    weights: dict[str, float], p: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the loop tries and anything else make what is missing; no correction in forecasts is the rest of the tried."""
+    monkeypatch.setattr(verdicts, "in_words", lambda accepted: "it is there")
+    sets, check = posterior(weights), ModelCheck(p, None)
+    named = verdict_that_fits(verdict(sets), check, sets.nothing)
+    found: Any = SimpleNamespace(
+        diagnosis=SimpleNamespace(
+            effect=named.effect,
+            confidence=named.confidence,
+            also=named.also,
+            accepted=named.accepted,
+            posterior=sets,
+            averaged=averaged(sets),
+        )
+    )
+    sure = [int(one) for one in re.findall(r"(\d+)%", how_sure(found))]
+    forecasts = {name: int(chance) for chance, name in re.findall(r"(\d+)% ([^,]+)", what_forecasts_become(found))}
+    assert ("match the model" in named.why) == (named.effect == "none" and sure[0] < 20), named.why
+    if named.effect == "none":
+        missing, tried, other = sure
+        assert missing == tried + other
+        assert tried == 100 - forecasts["no correction"]
+    else:
+        right, other = sure
+        assert right + other == 100 - forecasts["no correction"]
 
 
 @pytest.mark.parametrize(("lowers", "effect"), [(0.001, "wind"), (0.05, "early_ejection+wind")])
