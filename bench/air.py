@@ -41,6 +41,14 @@ def wind_speed(
     return np.asarray(wind * (np.maximum(height, 1.0) / at) ** shear)
 
 
+def turned(
+    speed: Float[Array, "*n"], height: Float[Array, "*n"], turn: Float[Array, "*n"] | float
+) -> Float[Array, "2 *n"]:
+    """A wind toward +x at the pad that turns with height, by `turn` at 300 m and above [rad]: toward +x and +y. [m/s]"""
+    angle = turn * np.clip(height / 300.0, 0.0, 1.0)
+    return np.array([speed * np.cos(angle), speed * np.sin(angle)])
+
+
 def pressure_altitude(pressure: Float[Array, "*n"] | float) -> Float[Array, "*n"]:
     """Height in the U.S. Standard Atmosphere 1976 at which a pressure is found. [m]"""
     return np.asarray(SEA_TEMPERATURE / LAPSE * (1 - (np.asarray(pressure) / SEA_PRESSURE) ** (1 / POWER)))

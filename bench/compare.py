@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from bench import barrowman, fast_truth, truth
 from bench.altimeter import exact_readouts
 from bench.motors import motors
@@ -41,6 +43,8 @@ LEFT_OUT: dict[str, Callable[[Launch], Launch]] = {
     "Cd, stated at 50 m/s, that falls with the speed to the power 0.2": lambda one: replace(
         one, drag=replace(one.drag, reynolds=0.2)
     ),
+    "wind that turns by 90 degrees to 300 m": lambda one: replace(one, air=replace(one.air, turn=np.pi / 2)),
+    "wind that turns by 180 degrees to 300 m": lambda one: replace(one, air=replace(one.air, turn=np.pi)),
 }
 """What a forecast leaves out, and a launch with it."""
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench import barrowman, parachute
-from bench.air import GAS, GRAVITY, pressure, station_pressure, temperature, wind_speed
+from bench.air import GAS, GRAVITY, pressure, station_pressure, temperature, turned, wind_speed
 from bench.world import Launch, Track
 from fieldkit.shapes import Array, Float
 
@@ -58,6 +58,7 @@ class Batch:
     wind_height: Float[Array, "flight"]
     shear: Float[Array, "flight"]
     updraft: Float[Array, "flight"]
+    turn: Float[Array, "flight"]
     rail: Float[Array, "flight"]
     friction: Float[Array, "flight"]
     axis: Float[Array, "three flight"]
@@ -123,6 +124,7 @@ def stack(launches: Sequence[Launch]) -> Batch:
         wind_height=each("wind_height", "air"),
         shear=each("shear", "air"),
         updraft=each("updraft", "air"),
+        turn=each("turn", "air"),
         rail=each("rail_length"),
         friction=each("friction"),
         axis=np.array([np.sin(tilt) * np.cos(heading), np.sin(tilt) * np.sin(heading), np.cos(tilt)]),
@@ -162,7 +164,8 @@ def _slope(
     cg = (b.dry_mass * b.dry_cg + motor * b.motor_cg) / mass
     kelvin = temperature(height, b.ground)
     rho = pressure(height, b.ground, b.station) / (GAS * kelvin)
-    air = np.array([wind_speed(height, b.wind, b.wind_height, b.shear), np.zeros_like(height), b.updraft])
+    blow = wind_speed(height, b.wind, b.wind_height, b.shear)
+    air = np.array([*turned(blow, height, b.turn), b.updraft])
     flow = velocity - air
     fast = np.sqrt((flow**2).sum(axis=0)) + 1e-9
     cd = b.cd * np.where(burning, 1.0, b.power_off) * mach_factor(fast / np.sqrt(1.4 * GAS * kelvin), b.mach_rise)

@@ -11,7 +11,7 @@ import numpy as np
 from rocketpy import Environment, Flight, GenericMotor, Rocket
 
 from bench import barrowman, parachute
-from bench.air import GRAVITY, pressure, station_pressure, temperature, wind_speed
+from bench.air import GRAVITY, pressure, station_pressure, temperature, turned, wind_speed
 from bench.fast_truth import mach_factor
 from bench.world import Launch, Track
 from fieldkit.errors import BadValue
@@ -74,13 +74,13 @@ def _environment(launch: Launch) -> Any:
     field = Environment(latitude=45.0, longitude=0.0, elevation=air.elevation)
     levels = np.unique(np.concatenate([np.linspace(0, 30, 16), np.linspace(30, 3000, 100)]))
     msl = levels + air.elevation
-    blow = wind_speed(levels, air.wind, air.wind_height, air.shear)
+    east, north = turned(wind_speed(levels, air.wind, air.wind_height, air.shear), levels, air.turn)
     field.set_atmospheric_model(
         type="custom_atmosphere",
         pressure=np.column_stack([msl, pressure(levels, air.temperature, station)]).tolist(),
         temperature=np.column_stack([msl, temperature(levels, air.temperature)]).tolist(),
-        wind_u=np.column_stack([msl, blow]).tolist(),
-        wind_v=0,
+        wind_u=np.column_stack([msl, east]).tolist(),
+        wind_v=np.column_stack([msl, north]).tolist(),
     )
     return field
 

@@ -93,6 +93,8 @@ class Air:
     """Exponent of the wind profile: 1/7 over open ground. [1]"""
     updraft: float = 0.0
     """Upward speed of the whole air mass. [m/s]"""
+    turn: float = 0.0
+    """Angle by which the wind has turned at 300 m and above, in proportion to height below. [rad]"""
 
 
 @dataclass(frozen=True, slots=True)
