@@ -44,7 +44,7 @@ def wind_speed(
 def turned(
     speed: Float[Array, "*n"], height: Float[Array, "*n"], turn: Float[Array, "*n"] | float
 ) -> Float[Array, "2 *n"]:
-    """A wind toward +x at the pad that turns with height, by `turn` at 300 m and above [rad]: toward +x and +y. [m/s]"""
+    """A wind toward +x at the pad that turns with height, by `turn` at 300 m and above [rad]: its two parts. [m/s]"""
     angle = turn * np.clip(height / 300.0, 0.0, 1.0)
     return np.array([speed * np.cos(angle), speed * np.sin(angle)])
 

@@ -32,9 +32,9 @@ from fieldkit.analysis.notes import (
     OTHER_FLIGHT,
     OTHER_SENSOR_NOTE,
     REJECTED_NOTE,
-    SLANTED_NOTE,
     SMOOTH_NOTE,
     UNCHECKED_NOTE,
+    slanted_note,
 )
 from fieldkit.analysis.phases import Outline, after_hovering, is_similar, next_flight, outline, rest_in_climb
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
@@ -253,7 +253,7 @@ def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> t
     if found is None or not found.is_consistent:
         slanted = _slanted(found, track, push, seen, rise) if full is None else None
         if slanted is not None:
-            return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),)), seen
+            return _Trust(push, slanted, notes=(slanted_note(slanted.angle),)), seen
         felt = felt_boost(push, seen)
         again = _agreement(track, push, felt, None, full) if felt is not None else None
         if felt is not None and again is not None and again.is_consistent:

@@ -1,7 +1,11 @@
 """Short phrases that report to the flyer what a log does not show, or why its appearance is misleading."""
 
+from math import cos, degrees
+
 EITHER_WAY = "errors go either way, within the ± that `fieldkit inspect` shows"
 """How a measurement errs for which a sensor is missing."""
+DOUBT = "theirs is used, off either way by a ± that has grown by half of the difference"
+"""How the samples' value errs that differs from the device's own."""
 
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "no rocket flight in this log: nothing is measured"
@@ -34,7 +38,10 @@ REJECTED_NOTE = f"the acceleration {{}}: it is not used; the boost is measured f
 UNCHECKED_NOTE = (
     "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"
 )
-SLANTED_NOTE = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
+SLANTED_NOTE = (
+    "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree: upright "
+    "it would have gone up to {:.0%} higher"
+)
 ENERGY_NOTE = "the climb after burnout needs at least {}: the top speed is the measured one, bounded by that"
 FILTERED_NOTE = "the heights are behind a filter of about {:.1f} s: events after the boost are late by about that"
 SMOOTH_NOTE = (
@@ -42,3 +49,9 @@ SMOOTH_NOTE = (
     "second late, and no peak acceleration is seen"
 )
 NO_LANDING = "the log ends before landing: no duration"
+
+
+def slanted_note(angle: float) -> str:
+    """The note on a climb at an angle from vertical [rad]. The height of a coast without drag is in proportion to the
+    square of its cosine, that of a boost to the cosine; drag makes the loss smaller."""
+    return SLANTED_NOTE.format(degrees(angle), 1 / cos(angle) ** 2 - 1)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from math import atan, erfc, exp, hypot, log1p, pi, sqrt
 
 from fieldkit.analysis.channels import sensor
-from fieldkit.analysis.notes import ENERGY_NOTE
+from fieldkit.analysis.notes import DOUBT, ENERGY_NOTE
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.flight import BY_NAME
@@ -250,7 +250,8 @@ def widened_by_contradictions(recorded: Recorded, stated: Mapping[str, object]) 
         if difference > max(_CONTRADICTION_SDS * figure.sd, usual * figure.value):
             figures[name] = replace(figure, sd=hypot(figure.sd, difference / 2))
             by_device, by_samples = (_written(name, one) for one in (device_value, figure.value))
-            notes.append(message(f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {by_samples}"))
+            stated_text = f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {by_samples}"
+            notes.append(message(f"{stated_text}: {DOUBT}"))
     return replace(recorded, figures=figures, notes=(*recorded.notes, *notes)) if notes else recorded
 
 

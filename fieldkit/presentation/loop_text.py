@@ -199,7 +199,9 @@ def how_sure(found: Findings) -> str:
     listed = posterior.any_of([*names, *diagnosis.also]) if group else posterior.all_of(names)
     _, other = _split(listed, sure)
     beside = f", and {other} that something else is missing, too" if other else ""
-    return f"chance that {'it is one of these' if group else 'this is right'}: {percent(sure)} ({in_odds(sure)}){beside}"
+    return (
+        f"chance that {'it is one of these' if group else 'this is right'}: {percent(sure)} ({in_odds(sure)}){beside}"
+    )
 
 
 def _split(whole: float, part: float) -> tuple[str, str]:

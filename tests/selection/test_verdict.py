@@ -107,7 +107,7 @@ def test_a_verdict_of_none_does_not_deny_a_probable_unknown_effect(weights: dict
 def test_a_flyer_can_add_up_the_chances_of_a_verdict(
     weights: dict[str, float], p: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What the loop tries and anything else make what is missing; no correction in forecasts is the rest of the tried."""
+    """What the loop tries and anything else make what is missing; forecasts use no correction for the rest."""
     monkeypatch.setattr(verdicts, "in_words", lambda accepted: "it is there")
     sets, check = posterior(weights), ModelCheck(p, None)
     named = verdict_that_fits(verdict(sets), check, sets.nothing)
