@@ -79,9 +79,9 @@ ABOUT = """# Speed
 
 Processor seconds, the shortest of several rounds, with their ratio to a baseline from the same run. Ratios differ less
 between machines than seconds. The command above each table repeats the measurement and saves it in `docs/benchmarks/`;
-`python tools/benchmarks.py --page` writes this page from the latest run of each, of a series of sizes the smallest and
-the largest. A key is *answered* when the screen first shows a change after it, in wall-clock time, and *done* when
-everything that it computes is shown, in processor time."""
+`python tools/benchmarks.py --page` writes this page from the latest run of each, of a series the smallest and the
+largest, or the slowest and the fastest. A key is *answered* when the screen first shows a change after it, in
+wall-clock time, and *done* when everything that it computes is shown, in processor time."""
 
 
 def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
@@ -93,11 +93,33 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
         yield from ("", f"## {heading.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
-        rows = _ends([row for row in kept["benchmarks"] if f"def {row['name'].partition('[')[0]}(" in source])
+        rows = [row for row in kept["benchmarks"] if f"def {row['name'].partition('[')[0]}(" in source]
+        rows = [row for row in _extremes(_ends(rows)) if not _is_unit(row, rows)]
         cells = [HEAD, *(_cells(row) for row in rows if row.keys() & {"ratio", *RATES})]
         filled = [place for place in range(len(HEAD)) if any(line[place] for line in cells[1:])]
         head, *lines = (f"| {' | '.join(line[place] for place in filled)} |" for line in cells)
         yield from (head, "|---" * len(filled) + "|", *lines)
+
+
+def _is_unit(row: dict[str, Any], rows: list[dict[str, Any]]) -> bool:
+    """Whether a row only repeats the unit of another row of its series, whose ratio gives it."""
+    series = re.sub(r"\d+", "", row["name"])
+    others = [one for one in rows if one is not row and re.sub(r"\d+", "", one["name"]) == series]
+    return row.get("ratio") == 1 and any(one.get("beside") == row.get("beside") for one in others)
+
+
+def _extremes(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of rows with rates that differ only in a word, the slowest and the fastest."""
+    rates: dict[str, list[int]] = {}
+    for row in rows:
+        rates.setdefault(row["name"].partition("[")[0], []).append(row.get("flights_per_second", 0))
+    return [
+        row
+        for row in rows
+        if len(every := rates[row["name"].partition("[")[0]]) == 1
+        or not all(every)
+        or row["flights_per_second"] in (min(every), max(every))
+    ]
 
 
 def _ends(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

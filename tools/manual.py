@@ -59,7 +59,7 @@ def commands() -> Iterator[tuple[str, str]]:
     for name, command in group.commands.items():
         text = html.unescape(get_docs_for_click(obj=command, ctx=context, name=f"fieldkit {name}", indent=1))
         usage = re.compile(r"\*\*Usage\*\*:\n\n```console\n.*?```\n", flags=re.DOTALL)
-        text = re.sub(r"^In the manual: fieldkit docs (\S+)$", r"More on [its page](\1.md).", text, flags=re.MULTILINE)
+        text = re.sub(r"^In the manual: fieldkit docs (\S+)$", r"[More](\1.md).", text, flags=re.MULTILINE)
         lines = "\n".join(shown.get(name, []))
         example = f"```sh\n{lines}\n```\n" if lines else ""
         text = usage.sub("", usage.sub(lambda _: example, text, count=1)).strip()  # noqa: B023  # called here

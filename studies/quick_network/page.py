@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping
 from textwrap import fill
 from typing import Any
 
-from studies.quick_network.inputs import SCATTER
-
 WIDTH = 118
 """Characters of a line of prose."""
 Measured = Mapping[str, Any]
@@ -106,7 +104,6 @@ def page(found: Measured) -> Iterator[str]:
         seconds=found["training"]["seconds"],
         device=found["training"]["device"],
         held_out=held_out["histories"],
-        scales=len(SCATTER),
     )
     yield from decision(held_out, bench)
     flights = (f"{FLYERS[key]} ({found['real'][key]['flights']})" for key in FLYERS)
@@ -135,23 +132,20 @@ def page(found: Measured) -> Iterator[str]:
 
 
 TEXT = """`predict --quick`, the Add page, the quick motor guide, `infer` and `loop --quick` answer from one linear pass
-over a rocket's flights, with the model of the fit: differences of simulations at three drag coefficients give the
-derivatives, and the scales of scatter, readings and documents are a few values. Forecasts are linear around the
-posterior means of a first such pass. Its answers are provisional, and err either way. `predict --quick` checks its
-forecast by importance sampling with the simulator (effective draws and Pareto's k), and the fit answers where the check
-fails. `motors --fit Astra --quick` has apogees 3% below to 6% above those of `motors --fit Astra`, of the motors that
-fit (twelve flights shipped with fieldkit, 8 of them normal). `infer` misses the true Cd of single simulated flights by
-11% from an apogee alone and by 9% with more readouts, in the median (`python -m bench.infer SETS`, [in
+over a rocket's flights, with the model of the fit, linear around the posterior means of a first such pass. Its answers
+are provisional, and err either way. `predict --quick` checks its forecast by importance sampling with the simulator
+(effective draws and Pareto's k), and the fit answers where the check fails. `motors --fit Astra --quick` has apogees 3%
+below to 6% above those of `motors --fit Astra`. `infer` misses the true Cd of single simulated flights by 11% from an
+apogee alone and by 9% with more readouts, in the median (`python -m bench.infer SETS`, [in
 detail](calibration.md#checked-against-a-reference-sampler)). On the 29 histories of that bench `loop --quick` has the
 verdict of `loop` 23 times (`python -m bench.beside SETS`); of the six others the search names more in five.
 
 A network answered before. This page is the comparison that retired it, printed by `python -m tools.quick_network` on
 commit 58540097, from measurements that it repeats with networks of `python -m studies.quick_network`; since then the
-shipped pass has had a different grid of the scale of documents, weighs flights by their probability of being usual
-ones, as the fit does, and is linear around a first pass. Networks of three layers of attention over the flights were
-trained on {histories:,} simulated histories ({seconds} s on {device}), from the one model without linearization. The
-whole network sees the closed forms and corrects them; the other sees only flights, simulations and conditions. CRPS and
-widths are relative to the flown apogee. Probabilities are judged on {held_out:,} histories that no training used.
+shipped pass has changed. Networks of three layers of attention over the flights were trained on {histories:,} simulated
+histories ({seconds} s on {device}). The whole network sees the closed forms and corrects them; the other sees only
+flights, simulations and conditions. CRPS and widths are relative to the flown apogee. Probabilities are judged on
+{held_out:,} histories that no training used.
 """
 IN_SAMPLE = """The shipped hyperprior was learned from the flights of the journal and of the contest teams, so these are
 in-sample for the fit and the linear pass. The networks were trained with a prior that no flight has changed; the
