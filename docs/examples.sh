@@ -2,8 +2,8 @@
 
 # show what a file contains, without storing anything
 fieldkit inspect sample_logs/perfectflite__drogue_and_main.pf2
-# a table of flights; duplicates change nothing
-fieldkit import fieldkit/data/reference_flights.csv
+# the twelve flights of the manual's examples; duplicates change nothing
+fieldkit import --example
 # show first what would happen
 fieldkit import --dry-run fieldkit/data/reference_flights.csv
 # a logger's file, and the values that it lacks

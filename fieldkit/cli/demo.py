@@ -52,10 +52,10 @@ def _next(ledger: str | None) -> None:
     say(f"  {fieldkit} add")
     say(f"  {fieldkit} predict --motor F24-4W --wind 8mph")
     if ledger is None:
-        say("These twelve flights were in a temporary ledger. To save and use them:")
-        ledger = "demo.db"
-        say(f"  {fieldkit} --ledger {ledger} demo")
-    say(f"  {fieldkit} --ledger {ledger} predict --motor F24-7W")
+        say("These twelve flights were in a temporary ledger. To add them to yours:")
+        say(f"  {fieldkit} import --example")
+    of_ledger = f" --ledger {ledger}" if ledger else ""
+    say(f"  {fieldkit}{of_ledger} predict --rocket Astra --motor F24-7W")
     say("The app, and the manual:")
     say(f"  {fieldkit}")
     say(f"  {fieldkit} docs start")

@@ -20,6 +20,7 @@ from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say
 from fieldkit.cli.session import MotorCheck, given_columns, known_motors, open_ledger, read_settings
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
@@ -51,6 +52,9 @@ class ExportFormat(StrEnum):
 
 
 Files = Annotated[list[Path], typer.Argument(help="Logs, flight tables, or folders of them.", show_default=False)]
+OptionalFiles = Annotated[
+    list[Path] | None, typer.Argument(help="Logs, flight tables, or folders of them.", show_default=False)
+]
 Format = Annotated[str | None, typer.Option(help="The parser, if the format is not recognized.")]
 GivenValues = Annotated[
     list[str] | None,
@@ -107,10 +111,11 @@ def _gathered(
 
 def import_(
     context: typer.Context,
-    files: Files,
+    files: OptionalFiles = None,
     format: Format = None,
     given: GivenValues = None,
     columns: ColumnMappings = None,
+    example: Annotated[bool, typer.Option("--example", help="The twelve flights of Astra in the manual.")] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show what would happen without changing anything.")
     ] = False,
@@ -124,8 +129,10 @@ def import_(
     """
     from fieldkit.services.imports import take_in
 
+    if not files and not example:
+        raise typer.BadParameter("found no file, expected at least one, or --example", param_hint="FILE...")
     settings = given_columns(given, named)
-    gathered, motors = _gathered(files, format, settings, columns)
+    gathered, motors = _gathered([*(files or ()), *[REFERENCE_FLIGHTS] * example], format, settings, columns)
     with open_ledger(context) as ledger:
         _complain_of_names(ledger, settings)
         receipt = take_in(ledger, gathered, dry_run=dry_run, motors=motors)

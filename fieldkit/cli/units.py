@@ -50,7 +50,9 @@ def ask_units_once() -> None:
         complain(f"  {_in_words(name)}")
     chosen = None
     while chosen is None:
-        chosen = _named(typer.prompt("Which?", default=usual_units(os.environ), err=True))
+        typed = typer.prompt("Which?", default=usual_units(os.environ), err=True)
+        if (chosen := _named(typed)) is None:
+            complain(f"found {typed!r}, expected one of {', '.join(UNITS)}")
     change_settings({"units": chosen})
     complain("To change them: fieldkit units, or N in the app")
 

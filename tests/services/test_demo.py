@@ -53,7 +53,7 @@ def test_the_demo_shows_readouts_to_next_apogee_and_does_not_touch_the_flyers_le
     after = loop.partition("Next, enter a flight of yours")[2]
     typed = re.findall(r"^  fieldkit ?(.*)$", after, flags=re.MULTILINE)
     predict = "predict --motor F24-4W --wind 8mph"
-    save, use = "--ledger demo.db demo", "--ledger demo.db predict --motor F24-7W"
+    save, use = "import --example", "predict --rocket Astra --motor F24-7W"
     assert typed == ["add", predict, save, use, "", "docs start"]
     assert "checkout" not in printed.out
 
