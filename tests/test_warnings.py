@@ -13,7 +13,7 @@ WARNS = re.compile(
     r"\b(assum|not given|not modeled|as if|provisional|standard values|unverified|outdated|taken (to|for)|doubtful|"
     r"default;|leave[s]? out|off by|not checked|delay unknown)"
 )
-LEANS = re.compile(
+DIRECTION = re.compile(
     r"either way|too (high|low|narrow|wide|few|early|late)|higher|lower|faster|slower|late\b|early|stricter|laxer|"
     r"between|at least|weaker|stronger|narrower|wider|farther|±|\d%|falls|drift"
 )
@@ -72,17 +72,17 @@ NOT_OURS = (
 )
 
 
-def test_every_warning_says_which_way_the_figure_leans() -> None:
+def test_every_warning_says_which_way_the_figure_errs() -> None:
     shown = {line.split(": ", 1)[1] for line in listed() if not line.startswith(NOT_OURS)}
     warnings = {text for text in shown if WARNS.search(text) and not text.endswith(".") and "expected" not in text}
-    bare = {text for text in warnings if not LEANS.search(text)}
+    bare = {text for text in warnings if not DIRECTION.search(text)}
     assert len(warnings) > 40
     assert bare == LIMITS_WITHOUT_A_FIGURE.keys()
 
 
-def test_every_note_on_a_log_says_what_is_missing_or_which_way_it_leans() -> None:
+def test_every_note_on_a_log_says_what_is_missing_or_which_way_it_errs() -> None:
     every = {name: text for name, text in vars(notes).items() if name.isupper()}
     named_elsewhere = {"UNCHECKED_NOTE", "OTHER_FLIGHT", "EARLIER_FLIGHT"}  # within a note; about a flight not measured
     assert len(every) > 20
-    silent = [name for name, text in every.items() if not LEANS.search(text) and not NOTHING.search(text)]
+    silent = [name for name, text in every.items() if not DIRECTION.search(text) and not NOTHING.search(text)]
     assert set(silent) <= named_elsewhere | {"NO_HEIGHT"}

@@ -25,7 +25,7 @@ COST_OF_FALSE_NAME = 2.0
 NAMING_PROBABILITY = COST_OF_FALSE_NAME / (COST_OF_FALSE_NAME + 1.0)
 """Minimum posterior probability for a name. [1]"""
 MATCH_PROBABILITY = 0.8
-"""Minimum probability that nothing is missing for a sentence that says so: one chance in five is too much. [1]"""
+"""Minimum probability that nothing is missing for a sentence that states it: one chance in five is too much. [1]"""
 MAY_BE_MISSING = "something may be missing, but nothing is probable enough to name"
 CREDIBLE_LEVEL = 0.9
 """Posterior probability of the credible sets that give a verdict's alternatives, the same as for all intervals. [1]"""
