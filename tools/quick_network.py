@@ -2,7 +2,7 @@
 
 With the folder of `python -m studies.quick_network train`, sets of `python -m bench.make`, the lines of
 `python -m tools.quick_beside_fit` and tables of flights, it measures and writes `docs/measured/quick_network.json`.
-Without them it writes `docs/quick-answers.md` from that file.
+Without them it writes `docs/measured/quick_network.md` from that file.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from studies.quick_network.page import page
 from tools.markdown import MEASURED as FOLDER
 from tools.quick_measurements import beside_fit, forward_in_time, on_bench
 
-MEASURED, PAGE = FOLDER / "quick_network.json", FOLDER.parent / "quick-answers.md"
+MEASURED, PAGE = FOLDER / "quick_network.json", FOLDER / "quick_network.md"
 
 
 def main() -> None:

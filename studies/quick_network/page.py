@@ -96,7 +96,7 @@ def decision(held_out: Measured, bench: Measured) -> Iterator[str]:
 def page(found: Measured) -> Iterator[str]:
     """The page, line by line."""
     held_out, fit, bench = found["held_out"], found["beside_fit"], found["bench"]
-    yield "# Quick answers, and why no network gives them"
+    yield "# Why no network gives quick answers"
     yield ""
     yield from _prose(
         TEXT,
@@ -131,16 +131,7 @@ def page(found: Measured) -> Iterator[str]:
     )
 
 
-TEXT = """`predict --quick`, the Add page, the quick motor guide, `infer` and `loop --quick` answer from one linear pass
-over a rocket's flights, with the model of the fit, linear around the posterior means of a first such pass. Its answers
-are provisional, and err either way. `predict --quick` checks its forecast by importance sampling with the simulator
-(effective draws and Pareto's k), and the fit answers where the check fails. `motors --fit Astra --quick` has apogees 3%
-below to 6% above those of `motors --fit Astra`. `infer` misses the true Cd of single simulated flights by 11% from an
-apogee alone and by 9% with more readouts, in the median (`python -m bench.infer SETS`, [in
-detail](calibration.md#checked-against-a-reference-sampler)). On the 29 histories of that bench `loop --quick` has the
-verdict of `loop` 23 times (`python -m bench.beside SETS`); of the six others the search names more in five.
-
-A network answered before. This page is the comparison that retired it, printed by `python -m tools.quick_network` on
+TEXT = """[Quick answers](../quick-answers.md) came from a network before. This page is the comparison that retired it, printed by `python -m tools.quick_network` on
 commit 58540097, from measurements that it repeats with networks of `python -m studies.quick_network`; since then the
 shipped pass has changed. Networks of three layers of attention over the flights were trained on {histories:,} simulated
 histories ({seconds} s on {device}). The whole network sees the closed forms and corrects them; the other sees only
@@ -156,5 +147,5 @@ interval. Real flights are forecast forward in time.
 """
 POOLING = """Pooled log odds have weights learned from the other half of the held-out histories (closed form, network,
 level): {raw} for (c), {whole} for (d). On {flights:,} flights, {present} with a cause, the AUC of the loop is
-{loop:.3f}, that of the closed form {closed:.3f}. [Every figure](measured/quick_network.json).
+{loop:.3f}, that of the closed form {closed:.3f}. [Every figure](quick_network.json).
 """
