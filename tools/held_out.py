@@ -4,7 +4,8 @@ The arguments are one folder or table for each flyer. By time: the hyperprior is
 the flights of the period that begins then are forecast forward in time. By flyer: it is learned without the flyer. The
 structure of the model, the rule for unknown diameters and the bounds of plausible readouts were chosen when some of
 these flights had been seen. With the *structure chosen again*, each group of random effects that was added since then
-is in the model only if the flights learned from have a higher log evidence with it.
+is in the model only if the flights learned from have a higher log evidence with it. Fewer than five flights have no
+table.
 """
 
 import argparse
@@ -29,6 +30,8 @@ from tools.markdown import prose
 
 YEARS = (2013, 2015, 2017)
 """Starts of the periods by time; the last one has no end."""
+MIN_FLIGHTS = 5
+"""Minimum number of flights of a table. [1]"""
 EXACT_SINCE = date(2011, 8, 1)
 """The journal's altitudes before are estimates."""
 ROUNDS, STEPS = 1, 8
@@ -149,7 +152,7 @@ def main() -> None:
     for title, ways in parts.items():
         for later, words in ((True, "rockets flown before"), (False, "first flights")):
             some = [[row for row in each if bool(row.earlier) is later] for each in ways]
-            if some[0]:
+            if len(some[0]) >= MIN_FLIGHTS:
                 print(f"\n## {title}: {words}\n", *table(*some), sep="\n")
 
 

@@ -263,15 +263,12 @@ def code_map() -> str:
     layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
     names = [name for layer in layers for name in re.findall(r"\w+", layer)]
     rows = [f"| {_linked(name)} | {_first_words(name)} |" for name in names if _is_package(name)]
-    modules = ", ".join(_linked(name) for name in names if not _is_package(name))
     return f"""# The map of the code
 
 Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/importing/`, a row of the ledger in
 `fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/services/inferred.py`, a forecast in
 `fieldkit/forecast/predict.py`, and its misses lead to a better model in `fieldkit/selection/diagnose.py`. A module
-imports only modules below it in this table; single ones ({modules}) have their layers in `pyproject.toml`, and
-`lint-imports` checks all. The first lines of each module state its
-purpose.
+imports only modules below it in this table, as `lint-imports` checks with the layers in `pyproject.toml`.
 {WRITTEN_BY}
 
 | in `fieldkit/` | what it is |

@@ -79,10 +79,9 @@ motors and masses agree with their documents. {WRITTEN_BY}
 |---|---|---|---|
 {chr(10).join(means)}
 
-The biases of devices have mean zero, because manufacturers aim at the truth. The mean of a flyer's fleet varies by the
-variation among fleets plus the standard deviation of the overall mean. *Drift* is its change in one year since the
-first flight, independent of other years: in the journal, whose rockets were weighed once, the mass that explains the
-flights grows over the years, though a falling thrust would explain them as well. *Logged* is for readouts measured in
+The biases of devices have mean zero. The mean of a flyer's fleet varies by the variation among fleets plus the standard
+deviation of the overall mean. *Drift* is its change in one year since the first flight, independent of other years.
+*Logged* is for readouts measured in
 the samples of a log. *Ports* is for the drag in the log of a barometer, which static ports change: by 0.12 if they are
 off by 3% of the dynamic pressure, and more in real flights with an accelerometer beside the barometer (`python -m
 tools.drags`).

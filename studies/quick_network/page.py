@@ -131,12 +131,12 @@ def page(found: Measured) -> Iterator[str]:
     )
 
 
-TEXT = """[Quick answers](../quick-answers.md) came from a network before. This page is the comparison that retired it, printed by `python -m tools.quick_network` on
-commit 58540097, from measurements that it repeats with networks of `python -m studies.quick_network`; since then the
-shipped pass has changed. Networks of three layers of attention over the flights were trained on {histories:,} simulated
-histories ({seconds} s on {device}). The whole network sees the closed forms and corrects them; the other sees only
-flights, simulations and conditions. CRPS and widths are relative to the flown apogee. Probabilities are judged on
-{held_out:,} histories that no training used.
+TEXT = """[Quick answers](../quick-answers.md) came from a network before. This page is the comparison that retired it,
+printed by `python -m tools.quick_network` on commit 58540097, from measurements that it repeats with networks of
+`python -m studies.quick_network`; since then the shipped pass has changed. Networks of three layers of attention
+over the flights were trained on {histories:,} simulated histories ({seconds} s on {device}). The whole network sees
+the closed forms and corrects them; the other sees only flights, simulations and conditions. CRPS and widths are
+relative to the flown apogee. Probabilities are judged on {held_out:,} histories that no training used.
 """
 IN_SAMPLE = """The shipped hyperprior was learned from the flights of the journal and of the contest teams, so these are
 in-sample for the fit and the linear pass. The networks were trained with a prior that no flight has changed; the
