@@ -262,7 +262,7 @@ def code_map() -> str:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
     names = [name for layer in layers for name in re.findall(r"\w+", layer)]
-    rows = [f"| {_linked(name)} | {_first_words(name)} |" for name in names if _is_package(name)]
+    rows = [f"| `{name}/` | {_first_words(name)} |" for name in names if _is_package(name)]
     return f"""# The map of the code
 
 Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/importing/`, a row of the ledger in
@@ -286,10 +286,6 @@ imports only modules below it in this table, as `lint-imports` checks with the l
 | `tools/` | programs that write pages, pictures, the motor catalog and the samples |
 | `tests/` | organized like `fieldkit/`: laws, contracts for every plug-in, golden figures, screens; `benchmarks/` |
 """
-
-
-def _linked(name: str) -> str:
-    return f"`{name}/`" if _is_package(name) else f"`{name}.py`"
 
 
 def _is_package(name: str) -> bool:
