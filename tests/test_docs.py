@@ -358,7 +358,7 @@ def test_the_page_of_speed_is_of_the_latest_saved_runs() -> None:
 def test_the_comparison_of_quick_answers_with_networks_is_up_to_date() -> None:
     text = "\n".join(quick_page.page(json.loads(QUICK.read_text(encoding="utf-8")))).rstrip() + "\n"
     assert QUICK.with_suffix(".md").read_text(encoding="utf-8") == text, "python -m tools.quick_network writes it"
-    better = re.search(r"CRPS ([\d.]+)% better", text)
+    better = re.search(r"has a CRPS ([\d.]+)% better", text)
     assert better is not None
     assert f"has a CRPS {better[1]}% lower" in PAGES["quick-answers"]
 
