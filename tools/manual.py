@@ -15,7 +15,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from click import Command
 from typer.cli import get_docs_for_click
 from typer.core import TyperGroup
 from typer.main import get_command
@@ -63,7 +62,7 @@ def commands() -> Iterator[tuple[str, str]]:
         lines = "\n".join(shown.get(name, []))
         example = f"```sh\n{lines}\n```\n" if lines else ""
         text = usage.sub("", usage.sub(lambda _: example, text, count=1)).strip()  # noqa: B023  # called here
-        parts.append(_with_whole_help(text, command))
+        parts.append(re.sub(r"\*\*Commands\*\*:\n\n(\* .*\n)+\n", "", text))  # each has its own section below
         heads.setdefault(PAGE_OF[name], []).append(f"`{name}`")
     shared = _options_in_all(part for name, part in zip(group.commands, parts, strict=True) if name in PLANNED)
     parts = [_without(part, shared, name in PLANNED) for name, part in zip(group.commands, parts, strict=True)]
@@ -139,20 +138,9 @@ def _without(part: str, shared: Sequence[str], every: bool) -> str:
     return "\n".join([*lines[:place], one, *lines[place:]])
 
 
-def _with_whole_help(text: str, command: Command) -> str:
-    """The section of a group of commands with whole sentences in its list, which is cut for narrow screens."""
-    for name, one in command.commands.items() if isinstance(command, TyperGroup) else ():
-        text = re.sub(rf"^\* `{name}`: .*", f"* `{name}`: {_first_sentence(one.help or '')}", text, flags=re.MULTILINE)
-    return text
-
-
 def _listed(names: Sequence[str]) -> str:
     *most, last = (f"`{name}`" for name in names)
     return f"{', '.join(most)} and {last}"
-
-
-def _first_sentence(text: str) -> str:
-    return " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")
 
 
 def effect_table() -> str:
