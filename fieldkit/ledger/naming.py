@@ -16,7 +16,7 @@ LATEST_FLIGHT = "last"
 MIN_BEGINNING = 4
 """Length from which the beginning of an id may stand for it, so that 1 never means flight 10. [1]"""
 MAX_LISTED = 5
-"""Number of ids listed that begin alike. [1]"""
+"""Number of listed ids with the same beginning. [1]"""
 MAX_SLASHES = 10_000
 """Number of slashes in texts up to which each is tried as the end of a rocket's name; SQLite limits a query to 32,766
 values. [1]"""
