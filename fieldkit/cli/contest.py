@@ -12,6 +12,7 @@ from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, print_safety, season_year
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.flight.short_name import short_name
 from fieldkit.paths import data_file
@@ -135,6 +136,9 @@ def contest(
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     announced = length("--target", target), read_window(window) if window else None
     area = _area(parachute, reef)
+    if not json and not (given.get("motor") or given.get("rocket")) and _has_no_flight(context):
+        _print_rule(rule_of(season_year(season)).announced(*announced))
+        return
     ahead, lines = None, []
     with planning(context, given) as planned:
         ledger, rocket = planned.ledger, planned.flight.rocket
@@ -179,6 +183,22 @@ def contest(
 
 takes_plan(contest)
 app.command()(contest)
+
+
+def _has_no_flight(context: typer.Context) -> bool:
+    """Whether the ledger is empty, as at the start of a season."""
+    with open_ledger(context) as ledger:
+        return ledger.latest() is None
+
+
+def _print_rule(rule: "Season") -> None:
+    """Print the rules of a season."""
+    from fieldkit.presentation.season_text import rule_lines
+
+    say(f"season {rule.year}")
+    for line in rule_lines(rule):
+        say_wrapped(f"  {line}", "    ")
+    complain("no flights yet; --motor with --dry-mass and --diameter forecasts the points of a plan")
 
 
 def _print_points(rule: "Season", scored: "Sequence[Scored]") -> None:

@@ -20,7 +20,11 @@ from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say
 from fieldkit.cli.session import MotorCheck, given_columns, known_motors, open_ledger, read_settings
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
+<<<<<<< HEAD
 from fieldkit.paths import REFERENCE_FLIGHTS
+=======
+from fieldkit.flight import Flight
+>>>>>>> 9d665f75 (Print the rules of the season for a team that has not flown yet)
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
@@ -148,7 +152,6 @@ def import_(
 
 def _complain_of_names(ledger: "Ledger", settings: Mapping[str, str]) -> None:
     """Note names that the ledger does not know and that resemble known ones."""
-    from fieldkit.flight import Flight
     from fieldkit.services.unknown_names import unknown_names
 
     flight = Flight().with_changes(**{name: settings.get(name, "") for name in ("rocket", "config", "site")})

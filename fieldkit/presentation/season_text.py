@@ -61,13 +61,31 @@ def season_steps(guide: SeasonGuide, ways: SeasonWays, system: str = "SI") -> li
     ]
 
 
-def _rules(rule: Season) -> SeasonStep:
+def rule_lines(rule: Season) -> tuple[str, ...]:
+    """The rules of a season: its target, its points, what the program checks, what it cannot, and where they are
+    from."""
+    figures = (("g on the pad", rule.mass, 1e3), ("N s", rule.impulse, 1.0))
+    limits = [f"at most {value * scale:g} {unit}" for unit, value, scale in figures if value is not None]
+    limits += [f"at least {rule.length * 1e3:g} mm long"] if rule.length is not None else []
+    points = f"{rule.per_metre * FOOT:g} point for each foot off the target"
+    late = f"{rule.per_second:g} for each second outside the window"
+    checked = (f"points: {points}, {late}", *([f"limits: {', '.join(limits)}"] if limits else []))
+    return (_target(rule), *checked, *_unchecked(rule))
+
+
+def _target(rule: Season) -> str:
     opens, closes = rule.window
-    target = (
-        f"{rule.target / FOOT:.0f} ft in {opens:g} to {closes:g} s; the best {rule.best} of {rule.declared} declared"
-    )
-    texts = [f"{name}: {text}" for name, text in rule.by_hand]
-    return f"rules of {rule.year}", "checked" if rule.checked else "not checked", (target, *texts, rule.caveat)
+    return f"{rule.target / FOOT:.0f} ft in {opens:g} to {closes:g} s; the best {rule.best} of {rule.declared} declared"
+
+
+def _unchecked(rule: Season) -> list[str]:
+    """The rules that the program cannot check, and the source of all."""
+    return [*(f"{name}: {text}" for name, text in rule.by_hand), *([rule.caveat] if rule.caveat else [])]
+
+
+def _rules(rule: Season) -> SeasonStep:
+    state = "checked" if rule.checked else "not checked"
+    return f"rules of {rule.year}", state, (_target(rule), *_unchecked(rule))
 
 
 def _limits(guide: SeasonGuide, system: str) -> SeasonStep:

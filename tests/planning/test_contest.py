@@ -669,3 +669,13 @@ def test_contest_columns_count_however_a_spreadsheet_writes_their_headings() -> 
     assert why_no_score(flight.with_changes(extra={"Eggs": "cracked"}), 2)
     assert why_no_score(flight.with_changes(extra={"Disqualified": "yes"})) == "disqualified"
     assert judged_duration(flight.with_changes(extra={"Timer 1 (s)": "38.41", "Timer 2 (s)": "38.44"})) == 38.43
+
+
+def test_the_rules_are_printed_for_a_team_without_a_flight(run: Run) -> None:
+    _, out, error = run("contest", "--season", "2027", "--target", "785ft")
+    text = " ".join(out.split())
+    assert "785 ft in 37 to 40 s; the best 2 of 3 declared" in text
+    assert "1 point for each foot off the target, 4 for each second outside the window" in text
+    assert "at most 650 g on the pad, at most 80 N s, at least 650 mm long" in text
+    assert "eggs: 2 eggs of 55 to 63 g" in text
+    assert "no flights yet" in error
