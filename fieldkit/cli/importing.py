@@ -20,11 +20,8 @@ from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say
 from fieldkit.cli.session import MotorCheck, given_columns, known_motors, open_ledger, read_settings
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
-<<<<<<< HEAD
-from fieldkit.paths import REFERENCE_FLIGHTS
-=======
 from fieldkit.flight import Flight
->>>>>>> 9d665f75 (Print the rules of the season for a team that has not flown yet)
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
