@@ -195,7 +195,8 @@ def averaged(posterior: SetPosterior) -> Averaged:
 
 
 def left_out_of_average(posterior: SetPosterior) -> float:
-    """Posterior probability of the sets that are too improbable for the average. [1]"""
+    """Posterior probability of the sets that are too improbable for the average, which is over the others as in Occam's
+    window (Madigan and Raftery, Journal of the American Statistical Association 89, 1994). [1]"""
     return 1 - sum(chance for chance, _ in _probable(posterior))
 
 
