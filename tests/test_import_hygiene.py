@@ -167,6 +167,15 @@ def test_only_what_the_first_page_shows_imports_inside_functions_in_the_app() ->
         assert not (inner & loaded if page in loaded else inner), page
 
 
+def test_the_app_loads_matplotlib_only_for_a_report() -> None:
+    """It takes 40 MB, a quarter of the app's memory."""
+    loaded = at_start({name for name in MODULES if name.startswith("fieldkit.tui.")}) & MODULES.keys()
+    assert len(loaded) > 200
+    for name in loaded:
+        taken = [node for node in top_level(MODULES[name]) if isinstance(node, ast.Import | ast.ImportFrom)]
+        assert "matplotlib" not in " ".join(map(ast.unparse, taken)), name
+
+
 def imported_inside(module: str) -> set[str]:
     """What the functions of a module import, by its full name."""
     return {

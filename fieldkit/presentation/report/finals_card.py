@@ -3,15 +3,15 @@
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import fill
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
+from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue
 from fieldkit.presentation.finals_text import FINALS_NOTES
 from fieldkit.presentation.report.style import drawn, without_markup
 from fieldkit.safe_text import printable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 WIDTH, MARGIN = 7.5, 0.25
 """Width and margin of the card. [inch]"""
@@ -39,6 +39,8 @@ def finals_card(
     notes: Sequence[str] = (),
 ) -> bytes:
     """The card as a picture, with `notes` at the end."""
+    from matplotlib.figure import Figure  # takes 40 MB of the app's memory
+
     first, *others = map(printable, heading)
     day = [fill(line, DAY_LINE) for line in others]
     below = [fill(printable(line), LINE) for line in [*FINALS_NOTES, *notes]]
@@ -62,8 +64,10 @@ def _lines(texts: Sequence[str]) -> int:
     return sum(text.count("\n") + 1 for text in texts)
 
 
-def _draw_table(axes: Axes, headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+def _draw_table(axes: "Axes", headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Fill axes with a table, headers bold on gray."""
+    from matplotlib.transforms import Bbox
+
     cells = [list(row) for row in rows]
     table = axes.table(cellText=cells, colLabels=list(headers), bbox=Bbox.unit(), cellLoc="center")
     table.auto_set_font_size(False)

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from textwrap import fill
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from fieldkit.flight.site import Site
 from fieldkit.planning.check import ADVICE_NOTE, SEVERITY, SafetyCheck
@@ -13,6 +13,9 @@ from fieldkit.presentation.report.style import drawn, without_markup
 from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 LINE = 108
 """Length of the lines of safety checks. [character]"""
@@ -36,6 +39,8 @@ def range_card(
     words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str = "SI"
 ) -> bytes:
     """The card as a picture of a page, in the units of a system."""
+    from matplotlib.figure import Figure  # takes 40 MB of the app's memory
+
     figure = Figure(figsize=(8.27, 11.69))
     title = fill(printable(words[0]), TITLE_LINE)
     top = 0.935 - TITLE_ROW * title.count("\n")
@@ -66,7 +71,7 @@ def _wrapped(text: str, width: int, indent: int) -> str:
     return fill(printable(text), width, subsequent_indent=" " * indent, drop_whitespace=True)
 
 
-def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
+def _map(figure: "Figure", found: Landing, site: Site, unit: str) -> None:
     """Draw pad, landings, ellipse and field, with the wind blowing up the page; empty if the wind is unknown."""
     if found.wind is None:
         figure.text(0.79, 0.78, "No map: the wind was not given", fontsize=9, ha="center")

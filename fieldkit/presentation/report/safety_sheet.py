@@ -4,8 +4,6 @@ not known."""
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
-from matplotlib.figure import Figure
-
 from fieldkit.messages import message
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, SafetyCheck
 from fieldkit.presentation.report.range_card import FONT, LINE, NOTE_INDENT, ROW, fitted
@@ -52,6 +50,8 @@ def sheet_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str
 @without_markup()
 def safety_sheet(heading: Sequence[str], lines: Sequence[SafetyCheck], suffix: str, system: str = "SI") -> bytes:
     """The sheet as a picture of a page: a heading, whose first line is the title, the checks, and room to sign."""
+    from matplotlib.figure import Figure  # takes 40 MB of the app's memory
+
     title, *rest = map(printable, heading)
     about = [line for text in rest for line in wrap(text, LINE, subsequent_indent=" " * NOTE_INDENT)]
     figure = Figure(figsize=A4)
