@@ -245,12 +245,13 @@ def _number(column: Column, text: str, unit: str) -> float | None:
     try:
         return check(column, column.parse(text, unit or None), typed)
     except BadValue as error:
-        raise BadValue(message(f"{marked(error)}, such as {_example(column, typed)}")) from error
+        raise BadValue(message(f"{marked(error)}, such as {_example(column, typed, unit)}")) from error
 
 
-def _example(column: Column, unit: str) -> str:
-    """An example of a valid answer, a round number in a unit if that is known: `300m`."""
-    unit = unit if units.named(column.quantity, unit) else column.unit
+def _example(column: Column, typed: str, usual: str) -> str:
+    """An example of a valid answer, a round number in the unit that was typed if that is known, or else in the usual
+    one of the form: `300m`."""
+    unit = typed if units.named(column.quantity, typed) else usual or column.unit
     scale = units.unit(column.quantity, unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
     return f"{float(f'{scale.from_si(middle):.1g}'):g}{unit}"

@@ -31,6 +31,8 @@ Source: lists by others, not by the maker; the package states the seconds.
 """
 _WORD = 3
 """Minimum number of letters for a word to be a maker and not a propellant."""
+ONE_DIGIT_OFF = 0.75
+"""Minimum similarity of a name with one character more or less: C66 and C6 have 0.8. [1]"""
 _SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
 _LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by popularity: up to class E, and above it."""
@@ -99,9 +101,11 @@ def matches(listings: Listings, text: str) -> list[Listing]:
 
 
 def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
-    """The listings whose names are closest to a name: the nearest thrusts of its class, or similar letters."""
+    """The listings whose names are closest to a name: in its class those with a digit more or less, then the nearest
+    thrusts; or similar letters."""
     same = [key for key in listings if name.core and _class(key) == _class(name.core)]
-    keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
+    mistyped = difflib.get_close_matches(name.core, same, n=2, cutoff=ONE_DIGIT_OFF)
+    keys = [*mistyped, *sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]]
     if not keys:
         squeezed = {
             squeeze(text): listing.name for listing in _all(listings) for text in (listing.name, listing.designation)

@@ -208,6 +208,7 @@ def test_a_single_motor_is_not_a_cluster(text: str) -> None:
         ("F24-X9", "did you mean F24-9X?"),
         ("F244W", "did you mean F24-4W (AeroTech F24W)?"),
         ("C65", "did you mean C6-5 ("),
+        ("C66-5", "did you mean Estes C6"),
     ],
 )
 def test_for_an_unknown_motor_the_nearest_names_are_suggested(text: str, nearest: str) -> None:
@@ -410,4 +411,4 @@ def test_motors_with_only_similar_names_are_listed_as_such(run: Run) -> None:
     for strict in (["--json"], ["--shortlist-for", "Astra"]):
         printed = run("motors", "J9999", *strict, status=1)
         assert not printed.out
-        assert "did you mean AeroTech J1799N" in printed.err
+        assert "did you mean AeroTech J99N, AeroTech J1799N" in printed.err

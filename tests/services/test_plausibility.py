@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from bench.faults import session
 from fieldkit import units
+from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight.limits import LIMITS
@@ -26,7 +27,7 @@ from fieldkit.flight.plausibility import (
     not_measured,
 )
 from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
-from fieldkit.importing.manual_entry import implausible_answers
+from fieldkit.importing.manual_entry import implausible_answers, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue, Found, catalogue
@@ -549,3 +550,9 @@ def test_an_excluded_readout_is_named_and_changes_no_forecast(run_command: Run) 
     assert excluded not in run_command(*words).err
     late = season(7)[-1] | {"peak_accel_g": 51.0}
     assert f"row 2: flight 7 of Astra: {excluded}" in run_command(rows=[late]).err
+
+
+def test_the_example_beside_a_mistake_has_the_unit_that_was_typed_or_that_of_the_form() -> None:
+    for text, example in (("1.6x4", "in"), ("-3cm", "cm"), ("four", "in")):
+        with pytest.raises(BadValue, match=rf"such as [\d.]+{example}$"):
+            read_answer("diameter", text, "in")
