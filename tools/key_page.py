@@ -7,16 +7,20 @@ from textual.screen import Screen
 
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.flights.log_view import LogView
 from fieldkit.tui.flights.tag_screen import TagScreen
 from fieldkit.tui.keys import in_capitals
 from fieldkit.tui.next.plan_screen import PlanScreen
+from fieldkit.tui.pad.pad_screen import PadScreen
 from fieldkit.tui.page import PageScreen, pages
 from tools.markdown import WRITTEN_BY, table
 
-OVER_PAGES: "dict[type[PageScreen], str]" = {
-    FlightScreen: "A flight, open",
-    TagScreen: "Tags of a flight",
+OVER_PAGES: "dict[type[Screen[None]], str]" = {
+    FlightScreen: "A flight, opened by `Enter` on the Flights page",
+    TagScreen: "Tags of a flight, opened by `t`",
+    LogView: "The log of a flight, opened by `l`",
     PlanScreen: "Decide, opened by `d` on the Fly page",
+    PadScreen: "The checklist at the pad, opened by `K` on the Home page",
 }
 """Screens that are opened over a page, and their headings."""
 SIGNS = {"question_mark": "?", "slash": "/", "exclamation_mark": "!", "asterisk": "*", "escape": "Esc"}
@@ -29,8 +33,8 @@ def key_table() -> str:
     parts = [
         "# Keys\n",
         f"{WRITTEN_BY}\n",
-        "Words are those of the line of keys at the lower edge of the app; a key means the same on every page that "
-        "has it, and `e` opens the form that its word names.\n",
+        "The words are those at the lower edge of the app. A key means the same on every page that has it; `e` opens "
+        "the form that its word names.\n",
         f"## On every page\n\n{_table([('0 to 7', '', 'Open a page'), *everywhere])}",
     ]
     titles = {page.screen: f"{page.number} {page.title}" for page in pages().values()} | OVER_PAGES
@@ -43,6 +47,8 @@ def key_table() -> str:
 def _rows(*owners: type[FieldkitApp] | type[Screen[None]]) -> Iterator[tuple[str, str, str]]:
     """Key, word, and purpose of the bindings of some classes, without keys that only reverse another one."""
     for owner in owners:
+        if (on_enter := getattr(owner, "ON_ENTER", ("", "")))[0]:
+            yield "Enter", *on_enter
         for binding in owner.BINDINGS:
             if isinstance(binding, Binding) and binding.description and (binding.show or binding.tooltip):
                 yield _key(binding), binding.description, binding.tooltip or binding.description

@@ -28,4 +28,4 @@ def in_capitals(key: str) -> str:
     if len(key) == 1:
         return key
     names = {"pgup": "PgUp", "pgdn": "PgDn"}
-    return "+".join(names.get(part, part.title() if len(part) > 1 else part) for part in key.split("+"))
+    return "+".join(names.get(part.lower(), part.title() if len(part) > 1 else part) for part in key.split("+"))

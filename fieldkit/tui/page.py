@@ -25,7 +25,7 @@ from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 from fieldkit.tui.widgets.table import Table
 
 LEAVE_LINE = Binding(
-    "enter", "leave_line", "Done", key_display="Enter", priority=True, tooltip="Leave the search for the list"
+    "enter", "leave_line", "Done", key_display="Enter", priority=True, tooltip="Go from the words typed to the list"
 )
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
@@ -76,6 +76,8 @@ class PageScreen(AskingScreen):
     the same data in other units or with another target. `ABOUT` is its help, `NAME` the page marked in the top bar."""
 
     ABOUT: ClassVar[Help] = Help("")
+    ON_ENTER: ClassVar[tuple[str, str]] = ("", "")
+    """The word for Enter on a row of the first table, and what it does."""
     NAME: ClassVar[str] = ""
     focused: Reactive[Widget | None] = Reactive(
         None, repaint=False
@@ -83,10 +85,10 @@ class PageScreen(AskingScreen):
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("question_mark", "help", "Help", key_display="?"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="Explain this page and its keys"),
         Binding("f1", "help", "Help", show=False),
-        Binding("y", "copy", "Copy"),
-        Binding("u", "app.undo", "Undo"),
+        Binding("y", "copy", "Copy", tooltip="Copy the row or the figure as text"),
+        Binding("u", "app.undo", "Undo", tooltip="Take back the last change, as often as you like"),
         Binding("a", "app.page('add')", "Add", show=False, tooltip="Enter a flight by hand"),
         Binding("f", "app.fly", "Fly", show=False, tooltip="Choose a motor and save its forecast"),
         Binding("escape", "back", "Back", show=False, priority=True),

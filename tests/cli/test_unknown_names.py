@@ -47,7 +47,7 @@ REST = {
     "finals": ON,
     "flyer": "--count 1",
     "inspect": "{table}",
-    "import": "{table} --rocket Astra",
+    "import": "{table}",
     "landing": ON,
     "motors": "F24",
     "predict": ON,

@@ -200,9 +200,11 @@ async def test_another_rocket_has_other_suggestions(file: Path) -> None:
         assert screen.field("dry_mass").line.value == "322 g"
 
 
-async def test_an_extra_digit_is_noted_from_earlier_flights_on_this_motor(file: Path) -> None:
+async def test_a_digit_too_few_or_too_many_is_noted_from_earlier_flights_on_this_motor(file: Path) -> None:
     async with opened(file, page="add") as pilot:
-        await press(pilot, *typed("1940"))
+        await press(pilot, *typed("19"))
+        assert "apogee 19 m is 9.7% of the usual 196 m of this rocket and motor" in text_of(pilot, "#says")
+        await press(pilot, *typed("40"))
         assert "apogee 1940 m is 9.9 times the usual 196 m of this rocket and motor" in text_of(pilot, "#says")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)

@@ -28,6 +28,7 @@ from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.widgets.dialogs import AskText, AskYes, HelpedModal, HelpScreen
 from fieldkit.tui.widgets.hanging import stacked
+from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, opened, press
 
 CHECK_SHAPES = False
@@ -90,6 +91,8 @@ async def test_f1_explains_every_page_and_closes_its_help(tmp_path: Path, monkey
             title = pilot.app.screen_stack[-2]
             assert isinstance(title, page.screen)
             assert explained(pilot)._title == f"Help: {title.TITLE}"
+            if isinstance(table := title.focused, Table) and table.enter:
+                assert ("Enter", title.ON_ENTER[1]) in explained(pilot)._key_list, "as the line of keys says"
             await press(pilot, "f1")
             assert pilot.app.screen is title
 

@@ -41,14 +41,14 @@ async def front(pilot: Pilot[None], name: str) -> None:
     await calm(pilot)
 
 
-async def test_a_tall_screen_shows_the_coast_below_the_delays(file: Path) -> None:
+async def test_a_tall_or_wide_screen_shows_the_coast_below_the_delays(file: Path) -> None:
     async with opened(file, (120, 50), page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
         assert "The coast from burnout to apogee; lines are the delays" in words(pilot)
         await press(pilot, "right", "_")
         assert "The coast from burnout" not in words(pilot)
         assert pilot.app.screen.query_one("#first").display, "the apogee"
-    async with opened(file, (120, 30), page="next_flight") as pilot:
+    async with opened(file, (100, 30), page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
         assert "When each delay fires" in words(pilot)
         assert not pilot.app.screen.query_one("#first").display
@@ -245,7 +245,11 @@ async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> 
         answer = text_of(pilot, "#answer")
         assert "ellipse 90% of landings" in answer
         assert "400 m" in answer
-        assert "circle the field" in text_of(pilot, "#title")
+        caption = text_of(pilot, "#title")
+        assert "circle the field" in caption
+        assert "from the side" in caption
+        assert "from above" in caption
+        assert "left" not in caption, "the plots may be stacked"
         for name in ("#first", "#second"):
             drawn = str(pilot.app.screen.query_one(name, Plot).render())
             assert "▲" in drawn

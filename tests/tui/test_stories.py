@@ -227,6 +227,9 @@ async def test_the_palette_opens_a_decision(file: Path) -> None:
         await press(pilot, "enter", "_")
         assert "Decide" in pilot.app.screen.TITLE  # type: ignore[operator]
         assert "wind" in shown(pilot)
+        await press(pilot, "escape", "_", "ctrl+p", "_")
+        await press(pilot, *typed("finals"), "_", "_")
+        assert "Decide: finals" in shown(pilot)
 
 
 def test_an_interval_that_is_not_finite_is_blank_and_ends_no_app() -> None:

@@ -196,12 +196,12 @@ class AddScreen(PageScreen):
     ABOUT = ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
-        Binding("enter", "go_on", "Next", key_display="Enter", priority=True, tooltip="The next field"),
-        Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
-        Binding("ctrl+s", "save", "Save", key_display="^S"),
+        Binding("enter", "go_on", "Next", key_display="Enter", priority=True, tooltip="Take the answer"),
+        Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True, tooltip="The next field; ↑ previous"),
+        Binding("ctrl+s", "save", "Save", key_display="^S", tooltip="Save this flight"),
         Binding("ctrl+n", "start_again", "Start over", key_display="^N", tooltip="Clear what was typed"),
         Binding("up", "step(-1)", "Previous field", show=False, priority=True),
-        Binding("f1", "help", "Help", key_display="F1"),
+        Binding("f1", "help", "Help", key_display="F1", tooltip="Explain the field and the form"),
         Binding("N", "next_units", "Units", tooltip="Next units: SI, US, mixed"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
     ]

@@ -102,9 +102,9 @@ class FlightScreen(PageScreen):
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "back", "Back", priority=True),
+        Binding("escape", "back", "Back", priority=True, tooltip="Back to the list"),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("e", "edit", "Edit flight", tooltip="Edit this flight"),
+        Binding("e", "edit", "Edit flight", tooltip="Correct the entries of this flight"),
         Binding("l", "look", "Look", tooltip="Its log, with a cursor for height, speed and acceleration", show=False),
         Binding("w", "report", "Report", tooltip="Write a report on this flight for the log book", show=False),
         Binding("G", "track", "GPS track", tooltip="Write its GPS track for maps, as KML or GPX", show=False),

@@ -140,6 +140,7 @@ class FlightsScreen(PageScreen):
     """The table, a filter, and, if there is room, the flight under the cursor."""
 
     NAME = "flights"
+    ON_ENTER = ("Open", "Open this flight")
     TITLE = "Flights"
     ABOUT = FLIGHTS_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -148,7 +149,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("e", "edit", "Edit flight", tooltip="Edit this flight", show=False),
+        Binding("e", "edit", "Edit flight", tooltip="Correct the entries of this flight", show=False),
         Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
@@ -180,7 +181,7 @@ class FlightsScreen(PageScreen):
             yield Static("", id="count")
         with Horizontal():
             with Vertical():
-                yield Table(empty="reading the ledger ...", id="table")
+                yield Table(empty="reading the ledger ...", id="table", enter=self.ON_ENTER[0])
                 yield FlightPlots()
             yield FlightCard(id="beside")
 

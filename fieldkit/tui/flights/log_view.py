@@ -133,17 +133,17 @@ class LogView(HelpedModal[None]):
     VERTICAL_BREAKPOINTS = [(0, "-low"), (34, "-high")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "step(-1)", "Earlier", show=False),
-        Binding("right", "step(1)", "Time", key_display="←→"),
+        Binding("right", "step(1)", "Time", key_display="←→", tooltip="Move in time; with Shift ten steps"),
         Binding("shift+left,ctrl+left", "step(-10)", "Much earlier", show=False),
         Binding("shift+right,ctrl+right", "step(10)", "Much later", show=False),
         Binding("home", "event(-1)", "Previous event", show=False),
-        Binding("end", "event(1)", "Next event", key_display="Home End"),
+        Binding("end", "event(1)", "Events", key_display="Home End", tooltip="The next event; Home previous"),
         Binding("v", "channel", "Plot", tooltip="Height, speed or acceleration, on a low screen"),
-        Binding("tab", "facts", "Plot/facts", key_display="Tab", priority=True),
+        Binding("tab", "facts", "Plot/facts", key_display="Tab", priority=True, tooltip="The plot or its facts alone"),
         Binding("up", "scroll_by(-1)", "Up", show=False),
-        Binding("down", "scroll_by(1)", "Facts", key_display="↑↓"),
+        Binding("down", "scroll_by(1)", "Facts", key_display="↑↓", tooltip="Scroll the facts"),
         Binding("pageup", "flight(-1)", "Previous flight", show=False),
-        Binding("pagedown", "flight(1)", "Flights", key_display="PgDn"),
+        Binding("pagedown", "flight(1)", "Flights", key_display="PgDn", tooltip="The next flight; PgUp previous"),
         Binding("y", "copy", "Copy", show=False),
         Binding("escape", "dismiss", "Close"),
     ]

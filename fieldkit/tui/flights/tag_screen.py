@@ -122,6 +122,7 @@ class TagScreen(PageScreen):
     """One row per tag; Enter or the space bar adds or removes it, at once and undoable."""
 
     NAME = "flights"
+    ON_ENTER = ("On/off", "Set or clear this tag")
     TITLE = "Tags"
     ABOUT = Help(
         "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the model. Below the list is "
@@ -132,7 +133,7 @@ class TagScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("space", "mark", "Mark", tooltip="Set or clear this tag", show=False),
-        Binding("escape", "back", "Done", priority=True),
+        Binding("escape", "back", "Done", priority=True, tooltip="Back to the flight"),
     ]
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
@@ -159,7 +160,7 @@ class TagScreen(PageScreen):
         yield Static(id="which")
         with Horizontal():
             with Vertical(id="left"):
-                yield Table(id="tags", enter="On/off")
+                yield Table(id="tags", enter=self.ON_ENTER[0])
                 yield Static(id="means")
                 yield Static("computing the effect of the tags ...", id="effect")
             yield TagCard()

@@ -200,6 +200,7 @@ class HomeScreen(PageScreen):
     """Three choices, two cards, and the latest flights; with an empty ledger, the first steps."""
 
     NAME = "home"
+    ON_ENTER = ("Open", "Open this flight, or begin with this step")
     TITLE = "Home"
     ROW_REQUESTS = ("ask", "overview")
     ABOUT = Help(
@@ -225,7 +226,7 @@ class HomeScreen(PageScreen):
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("p", "plan", "Plan", show=False, tooltip="Rocket, mass and conditions"),
+        Binding("p", "plan", "Plan", show=False, tooltip="Enter rocket, mass and conditions"),
         Binding("e", "day_weather", "Weather", tooltip="Enter today's weather, for every plan and flight of the day"),
         Binding("K", "pad", "Check", tooltip="The checklist at the pad, and the contest's timer"),
     ]
@@ -371,7 +372,7 @@ class HomeScreen(PageScreen):
         self.query_one("#cards").set_class(self._view is None, "-empty")
         self.query_one(NextCard).show(self._view, system)
         self.query_one(LastCard).show(self._view, system, datetime.now().date())
-        table.on_enter = "Choose" if steps else "Open"
+        table.on_enter = "Choose" if steps else self.ON_ENTER[0]
         self._show_day(steps)
         if steps:
             table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)

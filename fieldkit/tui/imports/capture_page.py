@@ -93,6 +93,7 @@ class CaptureScreen(PageScreen):
     """The ports above, the capture below."""
 
     NAME = "serial"
+    ON_ENTER = ("Capture", "Read the logger on this port")
     TITLE = "Capture"
     ROW_REQUESTS = ("ports",)
     ABOUT = Help(
@@ -157,7 +158,7 @@ class CaptureScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The ports and the capture."""
-        yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter="Capture")
+        yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter=self.ON_ENTER[0])
         with Vertical(id="live"):
             with VerticalScroll(id="happened", can_focus=False):
                 yield Static("", id="events")

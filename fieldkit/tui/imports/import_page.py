@@ -148,11 +148,12 @@ class ImportScreen(PageScreen):
     """The files on the left, the preview of the one under the cursor on the right."""
 
     NAME = "import_files"
+    ON_ENTER = ("Import", "Read this file or the marked ones, or open this folder")
     TITLE = "Import"
     ROW_REQUESTS = ("list",)
     ABOUT = IMPORT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("backspace", "up", "Folder up", key_display="⌫"),
+        Binding("backspace", "up", "Folder up", key_display="⌫", tooltip="Open the folder above"),
         Binding("F", "format", "Format", tooltip="Choose the parser"),
         Binding("e", "set", "Values", tooltip="Values that the file lacks: rocket, motor, mass"),
         Binding("l", "look", "Look", tooltip="The log as a plot, with its columns, readouts and events"),
@@ -192,7 +193,7 @@ class ImportScreen(PageScreen):
         """The folder, the files, and the preview; on a large screen also the climb, and how the file was read."""
         yield Static("", id="where")
         with Horizontal(id="split"):
-            yield Table(id="files", empty="empty", enter="Import")
+            yield Table(id="files", empty="empty", enter=self.ON_ENTER[0])
             with VerticalScroll(id="look"):
                 yield Static("", id="preview")
                 yield FilePanel()
@@ -235,7 +236,7 @@ class ImportScreen(PageScreen):
         table = self.query_one("#files", Table)
         path = table.current
         is_folder = path is None or path == PARENT_FOLDER or isdir(path)
-        table.on_enter = "Open" if is_folder else "Import"
+        table.on_enter = "Open" if is_folder else self.ON_ENTER[0]
         self.follow_keys()
         self._look = None
         self.query_one("#more", Static).update(readable() if is_folder else "")

@@ -107,6 +107,7 @@ class LoopScreen(PageScreen):
     """A headline with single flights and versions, and a level down the evidence: one panel or all of a level."""
 
     NAME = "loop"
+    ON_ENTER = ("Use it", "Use this version, tag this flight, or show the fingerprint of this effect")
     TITLE = "Loop"
     ABOUT = LOOP_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -119,7 +120,7 @@ class LoopScreen(PageScreen):
         Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
         Binding("w", "report", "Report", tooltip="Write the report of this rocket", show=False),
         Binding("left", "turn(-1)", "Previous panel", show=False, priority=True),
-        Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
+        Binding("right", "turn(1)", "Views", key_display="←→", priority=True, tooltip="The next view; ← previous"),
     ]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012  # as Textual has it
     DEFAULT_CSS = """

@@ -7,6 +7,7 @@ The help of the Fly page: what its columns, figures and signs mean.
 
 import asyncio
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
@@ -217,27 +218,27 @@ class NextScreen(PageScreen):
     """On the left the motors, on the right the forecast of the one under the cursor."""
 
     NAME = "next_flight"
+    ON_ENTER = ("Save", "Save the forecast of this motor")
     TITLE = "Fly"
     ROW_REQUESTS = ("plan", "find")
     ABOUT = NEXT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
         Binding("slash", "find", "Find", key_display="/", tooltip="Find motors in the whole catalog"),
-        Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
+        Binding("p", "plan", "Plan", tooltip="Enter rocket, mass and conditions"),
         Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
-        Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
-        Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
-        Binding(
-            "exclamation_mark",
-            "unfold",
-            "Safety",
-            key_display="!",
-            tooltip="Every safety check with its figures, or how many",
-            show=False,
-        ),
+        Binding("g", "app.ask_target", "Target", tooltip="Set the target apogee"),
+        Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest, landing and more with this motor"),
+        replace(next_words.UNFOLD_KEY, show=False),
         Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
-        Binding("B", "toggle_box", "Box", show=False, tooltip="Only the motors in your range box, or all"),
-        Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Motors that fit, or every one"),
+        Binding(
+            "B",
+            "toggle_box",
+            "Box",
+            show=False,
+            tooltip="Only motors in your range box, or all",
+        ),
+        Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Every motor, or those that fit"),
     ]
     DEFAULT_CSS = """
     NextScreen #plan { height: auto; padding: 0 1; background: $panel; }
@@ -271,7 +272,7 @@ class NextScreen(PageScreen):
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
             yield Static("", id="count")
         with Horizontal(id="split"):
-            yield Table(id="motors", enter="Save")
+            yield Table(id="motors", enter=self.ON_ENTER[0])
             yield ForecastCard(id="card")
 
     @property

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from textual.binding import Binding
+
 from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.messages import marked, message
@@ -18,6 +20,13 @@ from fieldkit.tui.widgets import cards
 
 UNFOLD = "Press ! for every check"
 """How to see the checks that are folded."""
+UNFOLD_KEY = Binding(
+    "exclamation_mark",
+    "unfold",
+    "Safety",
+    key_display="!",
+    tooltip="All safety checks in full, or in brief",
+)
 KEYS_OF_COMMANDS = {
     "fieldkit flyer --certification 1": "Ctrl+P, Your card",
     "fieldkit flyer --born": "Ctrl+P, Your card",

@@ -39,7 +39,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import AIMS, Decision
-from fieldkit.tui.next.next_words import folded, unfolded
+from fieldkit.tui.next.next_words import UNFOLD_KEY, folded, unfolded
 from fieldkit.tui.next.plan_pages import PAGES, ask_page, finals_of
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.big import Big
@@ -141,23 +141,23 @@ class PlanScreen(PageScreen):
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "back", "Back", priority=True),
+        Binding("escape", "back", "Back", priority=True, tooltip="Back to the motors"),
         Binding("left", "turn(-1)", "Previous view", show=False, priority=True),
-        Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
-        Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
+        Binding("right", "turn(1)", "Views", key_display="←→", priority=True, tooltip="The next answer; ← previous"),
+        Binding("g", "app.ask_target", "Target", tooltip="Set the target apogee"),
         Binding("e", "day", "Day", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
-        Binding(
-            "exclamation_mark",
-            "unfold",
-            "Safety",
-            key_display="!",
-            tooltip="Every safety check, or only those that fail",
-        ),
+        UNFOLD_KEY,
         Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
         Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),
-        Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , for the previous one"),
+        Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , previous"),
         Binding("left_square_bracket", "area(-1)", "Smaller parachute", key_display="[", show=False),
-        Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="Larger parachute"),
+        Binding(
+            "right_square_bracket",
+            "area(1)",
+            "Chute",
+            key_display="[]",
+            tooltip="Larger parachute; [ smaller",
+        ),
         Binding("w", "report", "Report", show=False, tooltip="Write the range safety sheet; in finals, their card"),
         Binding("R", "write('card')", "Range card", show=False, tooltip="Write the range card, for flight check-in"),
     ]
@@ -177,7 +177,7 @@ class PlanScreen(PageScreen):
     PlanScreen #plots { height: auto; layout: vertical; }
     PlanScreen Plot { height: 10; width: 1fr; display: none; }
     PlanScreen Plot.-below { border-top: solid $border-blurred; border-title-color: $foreground; margin-top: 1; }
-    PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below { display: block; }
+    PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below, PlanScreen.-wide Plot.-below { display: block; }
     PlanScreen.-tall Plot { height: 44vh; min-height: 16; }
     PlanScreen.-wide #words, PlanScreen.-wide #plots, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #words #beside { display: block; margin: 0 0 0 2; }

@@ -53,7 +53,7 @@ class PadScreen(HelpedModal[None]):
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "dismiss", "Close", priority=True),
-        Binding("space", "tick", "Tick", priority=True),
+        Binding("space", "tick", "Tick", priority=True, tooltip="Tick off this line, or clear it"),
         Binding("t", "timer", "Timer", tooltip="Start or stop the timer of contests"),
     ]
 

@@ -93,12 +93,13 @@ class SetupScreen(PageScreen):
     """Five lists in one table; left and right switch between them."""
 
     NAME = "setup"
+    ON_ENTER = ("Change", "Change this row, or see the details of a motor")
     TITLE = "Setup"
     ABOUT = SETUP_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
         Binding("left", "turn(-1)", "Previous list", show=False),
-        Binding("right", "turn(1)", "Views", key_display="←→"),
+        Binding("right", "turn(1)", "Views", key_display="←→", tooltip="The next list; ← previous"),
         Binding("slash", "find", "Find", key_display="/", tooltip="Find in the list"),
         Binding("i", "add_one", "New", tooltip="Add a kit, a site, or the motors of a .eng or .rse file"),
         Binding("x,delete", "delete_kit", "Remove", key_display="x", tooltip="Remove this kit"),
@@ -134,7 +135,7 @@ class SetupScreen(PageScreen):
             yield Static("/")
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
         with Container(id="split"):
-            yield Table(empty="nothing yet", enter="Change")
+            yield Table(empty="nothing yet", enter=self.ON_ENTER[0])
             yield SetupCard(id="card")
 
     def on_mount(self) -> None:

@@ -18,6 +18,7 @@ from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.hanging import Hanging, marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
+from fieldkit.tui.widgets.table import Table
 
 OF_TEXTUAL = {
     "app.focus_next": "Next part of the page",
@@ -110,6 +111,8 @@ def _described(screen: Screen[Any], active: ActiveBinding) -> tuple[str, str]:
     if isinstance(active.node, Input):
         return OF_A_LINE.get(binding.action, ("", ""))
     text = OF_TEXTUAL.get(binding.action, binding.tooltip or binding.description)
+    if isinstance(active.node, Table) and binding.action == "choose":
+        text = getattr(screen, "ON_ENTER", ("", ""))[1] or active.node.enter
     return screen.app.get_key_display(binding), text
 
 
