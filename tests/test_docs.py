@@ -254,7 +254,7 @@ def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
     assert f"at 800 ft, half of {flights} contest flights miss by less than {feet(median)} ft (best plain" in claims
     rule, one = best(contest), contest["uncalibrated"]
     assert (
-        f"plain rule {feet(rule[1])} ft; one simulation with a Cd of 0.6 {feet(one[1])} ft, but {feet(one[2])} ft on"
+        f"plain rule {feet(rule[1])} ft; one simulation with Cd 0.6: {feet(one[1])} ft, but {feet(one[2])} ft on"
         in claims
     )
     assert f"on average, fieldkit {feet(mean)} ft)" in claims
