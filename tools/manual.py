@@ -114,7 +114,7 @@ PAGE_OF = {name: page for page, (_, names) in COMMAND_PAGES.items() for name in 
 
 PLANNED = ("predict", "motors", "delay", "ballast", "contest", "finals", "season", "landing", "daysheet")
 """Commands that take the options of a plan."""
-FEW_SHARED = 5
+FEW_SHARED = 4
 """Number of options of a plan from which a command refers to their list. [1]"""
 
 

@@ -14,6 +14,7 @@ from fieldkit.physics.effect import effects, spoken
 from fieldkit.presentation.one_off_text import one_off_lines
 from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words, with_sd
 from fieldkit.selection.candidates import Place
+from fieldkit.selection.diagnose import MIN_AVERAGED, left_out_of_average
 from fieldkit.selection.drag_steps import DragStep
 from fieldkit.selection.logged_forces import LoggedForces
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
@@ -228,12 +229,23 @@ def what_forecasts_become(found: Findings) -> str:
     if all(not places for _, places in averaged):
         worse = found.diagnosis.posterior.nothing < MATCH_PROBABILITY and not found.diagnosis.accepted
         return f"forecasts use no correction{NOT_BETTER if worse else ''}"
+    rare = 0.0 if _is_certain(found) else left_out_of_average(found.diagnosis.posterior)
     chances: defaultdict[str, float] = defaultdict(float)
     for chance, places in averaged:
         names = dict.fromkeys(_at_any_time(place) for place in places)
-        chances[" and ".join(names) or "no correction"] += chance
+        chances[" and ".join(names) or "no correction"] += chance * (1 - rare)
     parts = [f"{chance:.0%} {name}" for name, chance in sorted(chances.items(), key=lambda one: -one[1])]
-    return f"forecasts average over: {', '.join(parts)}"
+    rest = 100 - sum(round(100 * chance) for chance in chances.values())  # so that what is shown adds up
+    others = ""
+    if rare >= 0.01 and rest > 0:
+        others = f"; sets below {MIN_AVERAGED:.0%}, {rest}% in all, are left out and the others scaled up"
+    return f"forecasts average over: {', '.join(parts)}{others}"
+
+
+def _is_certain(found: Findings) -> bool:
+    """Whether forecasts use the named effects in every set, as they do if a flyer named them."""
+    names = set(found.diagnosis.effect.split("+"))
+    return all(names <= {spoken(place.effect) for place in places} for _, places in found.diagnosis.averaged)
 
 
 def _at_any_time(place: Place) -> str:
@@ -247,10 +259,9 @@ def what_accepting_changes(found: Findings) -> Iterator[str]:
     yield what_forecasts_become(found)
     if found.diagnosis.accepted and any(places for _, places in averaged):
         name = found.diagnosis.effect
-        certain = all(set(name.split("+")) <= {spoken(place.effect) for place in places} for _, places in averaged)
         yield (
             f"--decline {name} excludes it"
-            if certain
+            if _is_certain(found)
             else (f"--effect {name} treats it as certain, --decline {name} excludes it")
         )
 

@@ -17,7 +17,7 @@ from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.averaged import left_out, that_pay
 from fieldkit.selection.candidates import Averaged, Place, effect_candidates
-from fieldkit.selection.hypotheses import SetPosterior
+from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.logged_forces import (
     DRAG_STEP,
     LoggedForces,
@@ -189,11 +189,21 @@ def diagnose(
 
 def averaged(posterior: SetPosterior) -> Averaged:
     """The hypotheses in the average, most probable first."""
+    probable = _probable(posterior)
+    total = sum(chance for chance, _ in probable)
+    return tuple((chance / total * part, places) for chance, one in probable for part, places in by_state(one.places))
+
+
+def left_out_of_average(posterior: SetPosterior) -> float:
+    """Posterior probability of the sets that are too improbable for the average, which is over the others as in Occam's
+    window (Madigan and Raftery, Journal of the American Statistical Association 89, 1994). [1]"""
+    return 1 - sum(chance for chance, _ in _probable(posterior))
+
+
+def _probable(posterior: SetPosterior) -> list[tuple[float, Hypothesis]]:
     pairs = zip(posterior.probability.tolist(), posterior.hypotheses, strict=True)
     order = sorted(pairs, key=lambda pair: -pair[0])
-    kept = [pair for pair in order if pair[0] > MIN_AVERAGED][:MAX_AVERAGED] or order[:1]
-    total = sum(chance for chance, _ in kept)
-    return tuple((chance / total * part, places) for chance, one in kept for part, places in by_state(one.places))
+    return [pair for pair in order if pair[0] > MIN_AVERAGED][:MAX_AVERAGED] or order[:1]
 
 
 def by_state(places: tuple[Place, ...]) -> Averaged:

@@ -181,8 +181,8 @@ def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str
         if reason := _lacks(flight, known[flight.motor]):
             lacking.setdefault((flight.rocket, reason), []).append(flight.flight_id)
     return [
-        f"{rocket + ': ' if rocket else ''}{_named(ids)} {'is' if len(ids) == 1 else 'are'} excluded from every fit: "
-        f"{reason}; edit to add {'it' if reason.count('no ') == 1 else 'them'}"
+        f"{rocket + ': ' if rocket else ''}{named_flights(ids)} {'is' if len(ids) == 1 else 'are'} excluded from "
+        f"every fit: {reason}; edit to add {'it' if reason.count('no ') == 1 else 'them'}"
         for (rocket, reason), ids in lacking.items()
     ]
 
@@ -209,7 +209,7 @@ def used_except(flight: Flight, motors: Catalogue) -> str:
     return message("; ".join(map(marked, readout_exclusions(flight, found)))) if found else ""
 
 
-def _named(ids: Sequence[str]) -> str:
+def named_flights(ids: Sequence[str]) -> str:
     """Flights by id, the first few of many: `flights 2, 3, and 40 others`."""
     if len(ids) == 1:
         return flight_label(ids[0])

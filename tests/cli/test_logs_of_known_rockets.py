@@ -41,6 +41,16 @@ def test_a_log_of_a_known_rocket_gets_its_build_and_the_next_forecast(flown: Run
     assert "filled in" not in again.err
 
 
+def test_logs_with_the_same_build_share_a_note(flown: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "logs"
+    folder.mkdir()
+    for log in sorted(PNUT.parent.glob("perfectflite__*.pf2"))[:3]:
+        (folder / log.name).write_bytes(log.read_bytes())
+    error = flown("import", folder, *LARK, "--config", "A").err
+    assert len([line for line in error.splitlines() if "filled in" in line]) == 1
+    assert error.count("note: flights flight-") == 1
+
+
 def test_figures_of_the_flyer_replace_those_of_the_build(flown: Run, tmp_path: Path) -> None:
     error = flown("import", PNUT, *LARK, "--config", "A", "--dry-mass", "12oz").err
     assert newest(tmp_path)[3] == pytest.approx(0.3402, abs=1e-4)

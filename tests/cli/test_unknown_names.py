@@ -47,7 +47,7 @@ REST = {
     "finals": ON,
     "flyer": "--count 1",
     "inspect": "{table}",
-    "import": "{table}",
+    "import": "{table} --rocket Astra",
     "landing": ON,
     "motors": "F24",
     "predict": ON,

@@ -103,7 +103,15 @@ def test_a_verdict_of_none_does_not_deny_a_probable_unknown_effect(weights: dict
 
 
 @pytest.mark.parametrize("p", [1.0, 0.02])
-@pytest.mark.parametrize("weights", [{"": 0.62, "wind": 0.38}, {"": 0.9, "wind": 0.1}, {"": 0.1, "wind": 0.9}])
+@pytest.mark.parametrize(
+    "weights",
+    [
+        {"": 0.62, "wind": 0.38},
+        {"": 0.9, "wind": 0.1},
+        {"": 0.1, "wind": 0.9},
+        {"": 0.5, "wind": 0.43, "wear": 0.01, "mach_drag": 0.02, "base_drag": 0.02, "tip_off": 0.02},
+    ],
+)
 def test_a_flyer_can_add_up_the_chances_of_a_verdict(
     weights: dict[str, float], p: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,7 +130,10 @@ def test_a_flyer_can_add_up_the_chances_of_a_verdict(
         )
     )
     sure = [int(one) for one in re.findall(r"(\d+)%", how_sure(found))]
-    forecasts = {name: int(chance) for chance, name in re.findall(r"(\d+)% ([^,]+)", what_forecasts_become(found))}
+    over, _, others = what_forecasts_become(found).partition(";")
+    forecasts = {name: int(chance) for chance, name in re.findall(r"(\d+)% ([^,]+)", over)}
+    rare = re.search(r"sets below 2%, (\d+)% in all", others)
+    assert sum(forecasts.values()) + (int(rare[1]) if rare else 0) == 100
     assert ("match the model" in named.why) == (named.effect == "none" and sure[0] < 20), named.why
     if named.effect == "none":
         missing, tried, other = sure

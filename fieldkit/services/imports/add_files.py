@@ -33,7 +33,13 @@ from fieldkit.services.imports.gather import Gathered, ReadAs, gather
 from fieldkit.services.imports.remeasure import as_held, format_of, renewed, which
 from fieldkit.services.imports.view import FileView
 from fieldkit.services.manual_entry import as_built
-from fieldkit.services.plausible_flights import excluded_readouts, implausible_flights, incomplete_flights, outlying
+from fieldkit.services.plausible_flights import (
+    excluded_readouts,
+    implausible_flights,
+    incomplete_flights,
+    named_flights,
+    outlying,
+)
 
 if TYPE_CHECKING:
     pass
@@ -226,7 +232,7 @@ def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False, moto
         (
             *gathered.notes,
             *sorting.notes,
-            *(note for one, notes in built if _is_among(one, set(added.new)) for note in notes),
+            *_notes_on_builds(built, set(added.new)),
             *implausible,
             *unused,
             *incomplete,
@@ -245,8 +251,17 @@ def _as_built(ledger: Ledger, incoming: IncomingFlight) -> tuple[IncomingFlight,
     if incoming.row is not None or not incoming.flight.rocket:
         return incoming, []
     flight, notes = as_built(ledger, incoming.flight, ())
-    label = flight_label(flight.flight_id)
-    return replace(incoming, flight=flight), [message(f"{label}: {marked(one.text)}; edit to change") for one in notes]
+    return replace(incoming, flight=flight), [note.text for note in notes]
+
+
+def _notes_on_builds(built: Iterable[tuple[IncomingFlight, list[str]]], added: set[str]) -> Iterator[str]:
+    """A line for each thing that was filled in, with the added flights that it was filled in for."""
+    flights: dict[str, list[str]] = {}
+    for incoming, notes in built:
+        for note in notes if _is_among(incoming, added) else ():
+            flights.setdefault(note, []).append(incoming.flight.flight_id)
+    for note, ids in flights.items():
+        yield message(f"{named_flights(ids)}: {marked(note)}; edit to change")
 
 
 def _implausible(incoming_flights: Sequence[IncomingFlight], motors: Catalogue) -> Iterator[str]:
