@@ -120,9 +120,12 @@ def learn(
 
 
 def fitted(model: Model, data: Data, fits: Fits) -> Fit:
-    """The fit of flown flights, from `fits` if it is there, otherwise added to them."""
+    """The fit of flown flights, from `fits` if it is there, otherwise added to them, in little memory."""
     key = tuple((term.name[:2], term.bends, term.mean, term.sd, *term.weight) for term in model.terms)
-    return fits.get(key) or fits.setdefault(key, fit_robustly(replace(model, coarse=True), data, causes=True))
+    if (known := fits.get(key)) is None:
+        known = fit_robustly(replace(model, coarse=True), data, causes=True)
+        fits[key] = known.unsolved()
+    return known
 
 
 def _allotted(chances: Sequence[float], draws: int) -> list[int]:

@@ -39,6 +39,7 @@ def test_comparing_flights_and_forecasting_the_next_need_the_same_fits() -> None
     known = len(fits)
     flight, motor = windy[-1]
     predict(windy, [(flight.unflown(flight_id="next"), motor)], assumed, fits=fits)
+    assert not any(fit.solution for fit in fits.values()), "kept in little memory"
     assert len(fits) == known
 
 
