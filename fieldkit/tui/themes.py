@@ -62,6 +62,8 @@ FIELD = Theme(
         "input-cursor-background": "#ffc66d",
         "input-cursor-foreground": "#0b1117",
         "input-cursor-text-style": "none",
+        "input-selection-background": "#2b3b4b",
+        "input-selection-foreground": "#eef3f8",
         "scrollbar": "#4a5d70",
         "scrollbar-background": "#141c25",
     },

@@ -178,6 +178,7 @@ PAIRS = (
     ("block-cursor-foreground", "block-cursor-background"),
     ("block-cursor-blurred-foreground", "block-cursor-blurred-background"),
     ("input-cursor-foreground", "input-cursor-background"),
+    ("input-selection-foreground", "input-selection-background"),
 )
 """Variables of a theme: a text color, and the backgrounds that the app's style sheets put behind it."""
 
