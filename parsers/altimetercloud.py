@@ -38,7 +38,9 @@ LABELS = 40
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return {"time(ms)", "altitude(m)"} <= set(names)
+    """Whether names are those of its table, and none is an acceleration that it would leave unread."""
+    unread = (name for name in names if name.startswith("accel") and name not in CHANNELS)
+    return {"time(ms)", "altitude(m)"} <= set(names) and not any(unread)
 
 
 def recognises(head: bytes) -> bool:

@@ -242,6 +242,7 @@ def _reading(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Readin
     extra: dict[str, str] = {}
     known: dict[ReadoutColumn, object] = {}
     unread: list[DamagedLog] = []
+    remarks: list[str] = []
     for heading, cell, value_of in zip(headings, cells, layout.values, strict=False):
         try:
             if heading.repeats:
@@ -252,6 +253,8 @@ def _reading(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Readin
                 stated[heading.field] = value_of(cell)
             elif heading.beside:
                 known[heading.beside] = _value_beside(cell, heading, heading.beside, mark)
+            elif not heading.spelled and _is_remark(cell):
+                remarks.append(from_cell(cell).strip())
             elif cell.strip():
                 extra[heading.kept_as or heading.spelled] = _known_header(cell, heading)
         except BadValue as error:
@@ -263,6 +266,8 @@ def _reading(row: int, cells: list[str] | DamagedLog, layout: _Layout) -> Readin
     if unread and not any(stated.get(name) is not None for name in READOUT_NAMES):
         return unread[0]
     add_time_of_day(stated, extra)
+    if remarks:
+        stated["notes"] = "; ".join(filter(None, [str(stated.get("notes") or ""), *remarks]))
     known = {place: value for place, value in known.items() if value is not None}
     for heading in headings:
         if heading.beside in known and stated.get(heading.beside.readout) is None:
@@ -311,6 +316,11 @@ def _known_header(cell: str, heading: ColumnRole) -> str:
     text = from_cell(cell)
     check_judged(heading.kept_as, text)
     return text
+
+
+def _is_remark(cell: str) -> bool:
+    """Whether a cell under an empty header is words about a flight, and no number that needs a name."""
+    return re.match(r"\s*[^\W\d_]{2}", cell) is not None
 
 
 def _date(cell: str, heading: ColumnRole) -> datetime | None:

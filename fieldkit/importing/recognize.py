@@ -16,6 +16,7 @@ from fieldkit.importing.tables.labeled_lines import labeled_table
 from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.nmea import fixes_table
+from fieldkit.importing.tables.other_shapes import reshaped
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import MAX_TABLE_SIZE, in_other_encodings, shown
 from fieldkit.importing.tables.tracks import track_table
@@ -234,6 +235,8 @@ def _sheet_of(log: bytes, source: str) -> tuple[SheetTable, list[str] | None]:
         for one in chain(unstamped(log) or (), () if claimed else in_other_encodings(log)):
             if own := claims(one):
                 return SheetTable(one), own
+        if not claimed and (other := reshaped(log)) and (own := claims(other)):
+            return SheetTable(other), own
         return SheetTable(log), claimed
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet))), None

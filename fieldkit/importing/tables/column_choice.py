@@ -19,6 +19,7 @@ from fieldkit.importing.tables.headings import (
     heading,
     is_pressure,
     is_receiver_clock,
+    is_sensor_clock,
     is_time_step,
     stated_unit,
     unit_named,
@@ -56,6 +57,9 @@ _LONGEST_INTERVAL = 20.0
 """Time between rows that no log of a flight has. [s]"""
 _MUCH = 0.2
 """A sensor that stays constant while another changes by this fraction of its range has failed. [1]"""
+_CLIPPED, _LEAST_CLIPPED = 0.995, 4
+"""Fraction of its highest value within which an accelerometer is at the end of its range, and number of such rows that
+show it. [1]"""
 _RISES = 0.9
 """Fraction of rows from which a column of times that is named after steps is a clock all the same. [1]"""
 _HOUR = 3600.0
@@ -107,7 +111,9 @@ def side_by_side(layout: Layout) -> list[range]:
 
 
 def _is_same_clock(one: Heading, other: Heading) -> bool:
-    """Whether two names of clocks are one name; `T` beside `t` is a temperature."""
+    """Whether two names of clocks are one name, or both of a sensor; `T` beside `t` is a temperature."""
+    if is_sensor_clock(one) and is_sensor_clock(other):
+        return True
     return one.words == other.words and (one.spelled == other.spelled or len(one.words[0]) > 1)
 
 
@@ -130,10 +136,20 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
             ]
     if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
         picks += _by_position(layout, {i: head for i, head in enumerate(heads) if columns is None or i in columns})
+    picks = _with_axes(picks)
     picks = _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
     if layout.interval and layout.named and "time" not in {pick.channel for pick in picks}:
         picks.append(_row_clock(layout, layout.interval))
     return picks
+
+
+def _with_axes(picks: Sequence[Pick]) -> list[Pick]:
+    """The columns, of which three accelerations that differ only in a number are the axes: `acc[0]`, `acc[1]`, ..."""
+    felt = [pick for pick in picks if pick.channel == "felt?"]
+    if len(felt) != len("xyz") or not all(_are_numbered(felt[0], other) for other in felt[1:]):
+        return list(picks)
+    axes = {pick.place: f"felt_{axis}" for pick, axis in zip(felt, "xyz", strict=True)}
+    return [replace(pick, channel=axes.get(pick.place, pick.channel)) for pick in picks]
 
 
 def _by_position(layout: Layout, heads: Mapping[int, Heading]) -> list[Pick]:
@@ -321,6 +337,7 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
             columns[pick.place] = -columns[pick.place]
             picks[place] = replace(pick, name=f"-{pick.name}")
     picks = _with_satellite_height([pick for pick in picks if not np.isnan(columns[pick.place]).all()], columns)
+    picks = _with_wider_range(picks, columns)
     moving = {pick.channel for pick in picks if not _is_stuck(columns[pick.place])}
     for pick in picks:
         column = columns[pick.place]
@@ -359,6 +376,28 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected at least one")
     return kept, values
+
+
+def _with_wider_range(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
+    """The columns without the axes of a first accelerometer that is clipped where a second in the same unit is not."""
+    sets: list[list[Pick]] = [[], []]
+    for pick in picks:
+        if pick.channel in ("felt_x", "felt_y", "felt_z") and not pick.chosen:
+            place = sum(pick.channel == one.channel for one in sets[0])
+            sets[place].append(pick)
+    first, second = sets
+    if not (
+        len(first) == len(second) == len("xyz") and {pick.unit for pick in first} == {pick.unit for pick in second}
+    ):
+        return list(picks)
+    highest, wider = (max((np.abs(columns[pick.place]) for pick in one), key=np.nanmax) for one in sets)
+    clipped = int((highest > _CLIPPED * np.nanmax(highest)).sum()) >= _LEAST_CLIPPED
+    return [one for one in picks if one not in first] if clipped and _beyond(wider, highest) else list(picks)
+
+
+def _beyond(values: Float[Array, "row"], others: Float[Array, "row"]) -> bool:
+    """Whether some values exceed all the others clearly."""
+    return bool(np.nanmax(values) > (1 + _MUCH) * np.nanmax(others))
 
 
 def _is_stuck(values: Float[Array, "row"]) -> bool:
@@ -404,7 +443,7 @@ def _barometric_one(one: Pick, other: Pick) -> Pick | None:
 
 def _are_numbered(one: Pick, other: Pick) -> bool:
     """Whether two columns are of several sensors of one kind, `alt1` and `alt2`: the first is used."""
-    return one.name != other.name and re.sub(r"[\d\s_]", "", one.name) == re.sub(r"[\d\s_]", "", other.name)
+    return one.name != other.name and re.sub(r"[\W\d_]", "", one.name) == re.sub(r"[\W\d_]", "", other.name)
 
 
 def _starts_at_zero(height: Float[Array, "row"]) -> bool:

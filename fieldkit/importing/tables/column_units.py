@@ -25,6 +25,7 @@ from fieldkit.importing.tables.unit_inference import (
     last_of_climb,
     rest,
     settle_felt,
+    settle_net,
     settle_pressure,
     settle_time_heights,
 )
@@ -70,6 +71,7 @@ def units_of(
         settled.pop("time", None)  # a unit that is stated but unknown, as in `time (ticks)`, is not replaced by a guess
     for name, one in settled.items():
         units[name] = unit_named(QUANTITIES[name.rstrip("?")], one.unit) or Unit(1.0), one.unit, one.why
+    _settle_net(values, units)
     left_out: dict[str, str] = {}
     for name, pick in by_channel.items():
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
@@ -204,6 +206,20 @@ def _settled(
         if one := settle_felt(total, is_total=len(axes) == len(AXES)):
             settled |= dict.fromkeys(axes, one)
     return {name: one for name, one in settled.items() if name not in units}
+
+
+def _settle_net(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
+    """The unit of an acceleration that is zero at rest, by its value before apogee; one that is positive there counts
+    downward and is reversed."""
+    name = next((name for name in ("felt?", "acceleration") if name in values and name not in units), "")
+    height = next((one for one in HEIGHTS if one in units), "")
+    if not (name and height and "time" in units):
+        return
+    time, heights = (to_si(units[one][0], values[one]) for one in ("time", height))
+    if one := settle_net(values[name], time, heights):
+        units[name] = UNITS["acceleration"][one.unit], one.unit, one.why
+        if last_of_climb(time, heights, values[name]) > 0:
+            values[name] = -values[name]
 
 
 def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> bool:

@@ -15,6 +15,8 @@ _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
 """A number with one mark, which may be a decimal mark."""
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
+_MINUTES = re.compile(r"(\d{1,2}):([0-5]\d(?:[.,]\d{1,3})?)")
+"""Minutes and seconds of a duration. With hours in front, `0:43:00` may be a spreadsheet's idea of `0:43`."""
 
 
 def decimal_mark(numbers: Iterable[str], separator: str) -> str:
@@ -61,9 +63,12 @@ def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
 def number_of(cell: str, column: Column, unit: str, mark: str) -> float:
     """The value of a cell; `unit` is that of its header, or "". Raises BadValue. [SI]
 
+    A duration may be written in minutes and seconds, `0:43.5`, whatever its header says.
     In a customary unit a comma before three digits separates thousands, unless the table has decimal commas: those who
     write decimal commas measure in meters.
     """
+    if column.quantity == "time" and (minutes := _MINUTES.fullmatch(cell)):
+        return 60.0 * int(minutes[1]) + float(minutes[2].replace(",", "."))
     thousands = _THOUSANDS.match(cell)
     customary = units.plain(units.typed_unit(cell, unit)) in units.CUSTOMARY_UNITS
     if thousands and thousands[1] == "," != mark and customary:

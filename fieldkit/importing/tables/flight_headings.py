@@ -109,7 +109,7 @@ def stated_unit(name: str) -> str:
 
 def plain(spelled: str) -> str:
     """A header in lower case, with one underscore for spaces and brackets: `Apogee (ft)` becomes `apogee_ft`."""
-    return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
+    return re.sub(r"[\s()\[\]_?]+", "_", spelled.strip().lower()).strip("_")
 
 
 def usual_name(words: str) -> str:
@@ -118,7 +118,7 @@ def usual_name(words: str) -> str:
     `actual_alt_agl_ft` becomes `altitude_ft`.
     """
     known = _known_names()
-    parts = [part.strip(".") for part in re.split(r"[_\-:#]+", words)]
+    parts = [part.strip(".,") for part in re.split(r"[_\-:#]+", words)]
     kept = [known["words"].get(part, part) for part in parts if part and part not in known["ignored"]]
     return "_".join(kept) or words
 
@@ -210,14 +210,14 @@ def _beginnings(words: str) -> list[str]:
 @cache
 def _longest() -> int:
     """Length of the longest name of a column."""
-    return max(map(len, [*synonyms(), *BY_NAME]))
+    return max(map(len, [*synonyms(), *BY_NAME, *TEXT_COLUMNS]))
 
 
 @cache
 def _ranked(*, own_too: bool) -> Mapping[str, tuple[int, str]]:
     """Synonyms, and fieldkit's own names if they are asked for too: the place in the list, the first counts, and the
     own name."""
-    names = {**synonyms(), **({name: name for name in BY_NAME} if own_too else {})}
+    names = {**synonyms(), **({name: name for name in (*BY_NAME, *TEXT_COLUMNS)} if own_too else {})}
     return {other: (place, name) for place, (other, name) in enumerate(names.items())}
 
 

@@ -1,5 +1,6 @@
 """Rows of a table of flights that are not flights: a row of units below the header, and totals and means at the end."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit import units
@@ -19,11 +20,14 @@ _EXPECTED = {"timer_1_s": _TIMED, "timer_2_s": _TIMED, "eggs": _EGGS}
 """What a cell of how a contest flight was judged should be, by fieldkit's name of its column."""
 _SUMMARIES = frozenset(
     [
+        *("subtotal", "sub-total", "best", "worst", "highest", "lowest", "zwischensumme", "sous-total"),
         *("total", "totals", "sum", "average", "averages", "avg", "mean", "median", "max", "maximum", "min", "minimum"),
         *("count", "std", "stdev", "summe", "gesamt", "mittelwert", "durchschnitt", "moyenne", "media"),
     ]
 )
 """First words of a row that sums up the others."""
+_DESIGNATION = re.compile(r"[A-Z]{1,2}\d", re.IGNORECASE)
+"""A class and an average thrust, as in `C6`: a motor, and not a number of motors."""
 
 
 def units_in(names: Sequence[str], cells: Sequence[str]) -> list[str] | None:
@@ -43,7 +47,8 @@ def units_in(names: Sequence[str], cells: Sequence[str]) -> list[str] | None:
 
 
 def is_summary(cells: Sequence[str], headings: Sequence[ColumnRole]) -> bool:
-    """Whether a row without a motor, in a table with motors, begins with a word such as `Total` or `Mean`.
+    """Whether a row without a motor, in a table with motors, begins with a word such as `Total` or `Mean`; it may count
+    the motors.
 
     In a table written by fieldkit, every row is a flight.
     """
@@ -51,7 +56,8 @@ def is_summary(cells: Sequence[str], headings: Sequence[ColumnRole]) -> bool:
         return False
     motors = [cell.strip() for heading, cell in zip(headings, cells, strict=False) if heading.field == "motor"]
     first = next((cell.strip().lower() for cell in cells if cell.strip()), "").split()
-    return bool(motors and first) and not any(motors) and first[0].rstrip(":.") in _SUMMARIES
+    summed = bool(motors and first) and first[0].rstrip(":.") in _SUMMARIES
+    return summed and not any(_DESIGNATION.search(motor) for motor in motors)
 
 
 def _is_blank(cells: list[str] | DamagedLog) -> bool:
@@ -116,7 +122,8 @@ def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Parsed]) -> lis
             one for one in found if isinstance(one, Reading) and heading.spelled in one.extra and _lacks(one, heading)
         ]
         if kept:
-            of_field = f"a number in {heading.unit}" if heading.unit else "a date such as 2026-05-01"
+            number = f"a number in {heading.unit}" if heading.unit else "a number with its unit"
+            of_field = "a date such as 2026-05-01" if heading.field == "date_time" else number
             expected = _EXPECTED.get(heading.kept_as, of_field)
             cell = shown(kept[0].extra[heading.spelled])
             times = f", and {counted(len(kept) - 1, 'more cell')}" if len(kept) > 1 else ""

@@ -82,6 +82,8 @@ _ONE_MEANING = {
 """Words that mean a temperature or a voltage whatever else a name says."""
 _TIME, _HEIGHT, _SPEED = _NAMES["time"], _NAMES["height"], _NAMES["speed"]
 _ACCEL, _PRESSURE = _NAMES["acceleration"], _NAMES["pressure"]
+_MEASURED = _HEIGHT | _SPEED | _ACCEL | _PRESSURE | _NAMES["temperature"]
+"""Words of what a sensor measures."""
 _NUMBERED = frozenset().union(*_NAMES.values()) - frozenset("abcdefghijklmnopqrstuvwxyz")
 """Words that a logger with several sensors numbers: `alt1`, `pressure2`."""
 _QUALIFIERS = frozenset(
@@ -100,8 +102,8 @@ _NEW_WORD = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z]{2})(?=[A-Z][a-z]{2})")
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _HEIGHT_ZERO = re.compile(r"(.*?)[,;]?\s{1,4}((?:above )?(?:ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `m above sea level`."""
-_G_FORCE = re.compile(r"\bg[ _-]force", re.IGNORECASE)
-"""An acceleration in two words."""
+_G_FORCE = re.compile(r"\bg[ _-]force|(?<![^\W_])(?:high|low)[ _-]?g(?![^\W_])", re.IGNORECASE)
+"""An acceleration in two words, or the sensor of one: `HighG_X`."""
 _SCALED = re.compile(r"[x×]?\s?(\d{1,6}(?:\.\d{1,6})?)(?:/(\d{1,6}))?\s?([^\W\d].{0,10})")
 """A multiple or a fraction of a unit: `10ms`, `1/100 s`, `0.1 m`."""
 _MULTIPLIED = re.compile(r"([^\W\d].{0,10}?)\s?[*x×]\s?(10{1,6})")
@@ -114,7 +116,7 @@ def heading(spelled: str) -> Heading:
     """Split a header: `Alt (ft)` is the word `alt` and the unit `ft`."""
     spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
     name, unit = _divided(spelled) or _bracketed(spelled) or (spelled, _unknown_unit(spelled))
-    name = _NEW_WORD.sub(" ", _G_FORCE.sub("gforce", name))
+    name = _G_FORCE.sub("gforce", _NEW_WORD.sub(" ", name))
     words = re.findall(r"[^\W_]+(?:'s)?|/", folded(name))
     return Heading(
         spelled, tuple(word[:-1] if word[:-1] in _NUMBERED and word[-1].isdecimal() else word for word in words), unit
@@ -245,7 +247,7 @@ def _named_channel(head: Heading) -> str:
         words -= _ROLES["ground"] | {"pad", "home"}
     if words & _HEIGHT and not words & {"du", "del", "do"}:  # `hauteur sol` is above it, `altitude du sol` its own
         words -= {"sol", "suelo", "suolo"}
-    if _is_clock(words) or is_time_step(head):
+    if _is_clock(words) or is_time_step(head) or is_sensor_clock(head):
         return "time"
     if unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_ROLES["total"]}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
@@ -305,6 +307,14 @@ def _is_clock(words: set[str]) -> bool:
     units = {word for word in words if len(word) > 2 and unit_named("time", word)}
     since = words & {"since", "from", "seit", "depuis", "desde"}
     return bool(since and words & _TIME | units) and words <= _TIME | units | _ROLES["clock_origin"]
+
+
+def is_sensor_clock(head: Heading) -> bool:
+    """Whether a header names the clock of one sensor: `Altitude Time (sec)`, `accel_time_ms`."""
+    words = {word for word in head.words if len(word) > 2 or word in _TIME}
+    words -= {word for word in words - _TIME if unit_named("time", word)}
+    clock = bool(words & _TIME) and unit_named("time", stated_unit(head, "time")) is not None
+    return clock and bool(words - _TIME) and words <= _TIME | _MEASURED
 
 
 def is_time_step(head: Heading) -> bool:

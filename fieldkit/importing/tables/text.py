@@ -9,10 +9,11 @@ import codecs
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from itertools import chain, islice, pairwise
+from itertools import chain, islice, pairwise, zip_longest
 
 from fieldkit.errors import DamagedLog, nearest
 from fieldkit.quantities import counted
+from fieldkit.units import is_unit
 
 BLOCK = 1 << 19
 """Size of the part of a log that is decoded at a time, and the longest line; the first part is a small fraction of it,
@@ -217,11 +218,34 @@ def first_row(text: str, separator: str) -> tuple[int, list[str]]:
         if not filled or cells[0].strip().lower().startswith("sep="):
             continue
         if filled > 1 and (not titles or filled >= _LEAST_BELOW_TITLE):
-            return row, cells
+            return _with_row_below(text, separator, row, cells)
         titles.append((row, cells))
         if len(titles) > _MOST_TITLES or filled > 1:
             break
     return titles[0] if titles else (0, [])
+
+
+def _with_row_below(text: str, separator: str, row: int, cells: list[str]) -> tuple[int, list[str]]:
+    """A header with its row number, completed by the row below it where headings above groups of columns are merged:
+    `Flight,,Result,` above `No,Date,Apogee,Duration`. A unit below a heading is that of the heading."""
+    if all(cell.strip() for cell in cells):
+        return row, cells
+    below = next(((n, found) for n, found in islice(rows(text, separator), row + 1) if n > row), (row, []))
+    if isinstance(below[1], DamagedLog) or not _names_more(cells, below[1]):
+        return row, cells
+    joined, group = [], ""
+    for upper, lower in zip_longest(cells, below[1], fillvalue=""):
+        group = upper.strip() or group
+        unit = lower.strip().strip("()[]")
+        joined.append(f"{group} ({unit})" if is_unit(unit) else lower.strip() or upper.strip())
+    return below[0], joined
+
+
+def _names_more(cells: Sequence[str], below: Sequence[str]) -> bool:
+    """Whether a row below a header consists of names, and has some where the header is empty."""
+    named = [cell.strip() for cell in below if cell.strip()]
+    more = any(lower.strip() and not upper.strip() for upper, lower in zip_longest(cells, below, fillvalue=""))
+    return more and len(named) > 2 and not any(any(map(str.isdigit, cell)) for cell in named)
 
 
 def first_names(head: bytes) -> tuple[str, ...]:

@@ -158,6 +158,30 @@ def _lasting(values: Float[Array, "piece"], width: int) -> Float[Array, "piece"]
     return np.asarray(windows(padded, width).max(axis=1))
 
 
+_COUNTS = {f"1/{2**power} g": float(2**power) for power in range(8, 15)}
+"""Units of accelerometers whose counts were not converted, by the counts of one g: the makers' scales are powers of
+two, from 256 (ADXL345) to 16384 (MPU-6050 at 2 g)."""
+
+
+def settle_net(
+    acceleration: Float[Array, "time"], time: Float[Array, "time"], height: Float[Array, "time"]
+) -> InferredUnit | None:
+    """The unit of an acceleration net of gravity, or of its opposite: zero at rest or in a steady descent, and one g of
+    deceleration before apogee; the clock and the heights are in SI."""
+    coast, steady = last_of_climb(time, height, acceleration), (rest(acceleration, time), _median(acceleration))
+    fits = []
+    for unit in ("g", "m/s2", "ft/s2"):
+        in_g = UNITS["acceleration"][unit].factor / STANDARD_GRAVITY
+        is_net = any(abs(one) * in_g < _NO_GRAVITY for one in steady)
+        if is_net and _END_OF_CLIMB[0] < abs(coast) * in_g < _END_OF_CLIMB[1]:
+            fits.append(unit)
+    return InferredUnit(fits[0], "from its value before apogee") if len(fits) == 1 else None
+
+
+_NO_GRAVITY = 0.1
+"""Largest acceleration at rest that is net of gravity. [g]"""
+
+
 def settle_felt(acceleration: Float[Array, "time"], *, is_total: bool = False) -> InferredUnit | None:
     """The unit in which an accelerometer feels one g at rest and more in a boost; None without a rest.
 
@@ -169,8 +193,8 @@ def settle_felt(acceleration: Float[Array, "time"], *, is_total: bool = False) -
     at_rest = [abs(rest(acceleration)), *([_quietest(finite[-len(finite) // 5 :])] if is_total else [])]
     least, usual = np.quantile(finite, (0.05, 0.995)).tolist()
     most = float(_lasting(finite, min(_LEAST_REST, len(finite) - 1)).max())
-    for unit in ("g", "m/s2", "mg", "ft/s2"):
-        gravity = STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
+    for unit in ("g", "m/s2", "mg", "ft/s2", *(_COUNTS if is_total else {})):
+        gravity = _COUNTS.get(unit) or STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
         never_left = least / gravity > 0.9 and usual / gravity < 1.1
         lifts = _LIFTS < most / gravity < _MOST_GRAVITIES
         if any(0.93 < level / gravity < 1.07 for level in at_rest) and (never_left or lifts):

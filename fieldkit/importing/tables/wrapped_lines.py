@@ -1,4 +1,4 @@
-"""Lines that another program wrapped: `> ` or a time before each line, or each whole line in quotation marks."""
+"""Lines that another program wrapped: `> ` or a time before each line, or each in quotation marks or parentheses."""
 
 import io
 import re
@@ -9,6 +9,8 @@ from fieldkit.importing.tables.text import MAX_TABLE_SIZE, first_lines, lines, n
 _LOOKED_AT, _MAX_LINE = 60, 4096
 """Number of first lines that show a wrapping [1], and what is looked at of each [character]."""
 _CITED, _QUOTED = re.compile(r"[ \t]{0,8}>"), re.compile(r'"(?:[^"]|"")*"[,; \t\r]*')
+_TUPLE = re.compile(r"[ \t]{0,8}(?:\([^()]*\)|\[[^\[\]]*\])[, \t\r]*")
+"""A row as Python prints it, `(0.05, 1013.2)`."""
 _CITATION = re.compile(rb"^[ \t]{0,8}>[ \t]?")
 _STAMPED = re.compile(
     rb"^(?:[ \t]{0,8}\[?(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,6})?)(?:\]|[ \t]*->)"
@@ -27,6 +29,8 @@ def unwrapped(log: bytes) -> bytes:
         return log
     if all(map(_CITED.match, start)):
         return _each_line(log, lambda line: _CITATION.sub(b"", line))
+    if all(map(_TUPLE.fullmatch, start)):
+        return _each_line(log, lambda line: line.strip(b" \t\r,()[]"))
     if all(map(_QUOTED.fullmatch, start)):
         return _each_line(log, lambda line: _QUOTATION.sub(lambda found: found[1].replace(b'""', b'"'), line))
     return log
