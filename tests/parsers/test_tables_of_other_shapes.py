@@ -6,7 +6,7 @@ import pytest
 from fieldkit.importing.read import read
 from fieldkit.importing.tables.headings import channel, heading
 from fieldkit.motors.names import parse
-from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from tests.parsers.test_tables_as_people_make_them import APOGEE, FELT, PUSH, SEEN, TIME, apogee, opened, table, text
 from tests.samples import any_motor
 
@@ -30,8 +30,24 @@ def apogees(log: str, name: str = "season.csv") -> list[float | None]:
         "Flt\tMtr\tAlt(m)\n1\tD12-5\t187\n",
         "Rocket,Motor,Alt 1 (m),Alt 2 (m)\nKite,D12-5,187,190\n",
         "Subject: flight\n\nApogee: 187 m\nTop Speed: 60.5 m/s\nPeak Acceleration: 12.1 Gs\nDuration: 38.0 s\n",
+        "Max altitude: 187 m\nMax velocity: 60.5 m/s\nFlight duration: 38.0 sec\nBattery: 8.9 V\n",
+        "Raket;Motor;Hoogte (m);Vluchttijd (s)\nVlieger;C6-5;187,0;38\n",
+        "Rocket,Motor (e.g. C6-5),Peak altitude from altimeter (m)\nKite,D12-5,187\n",
     ],
-    ids=["groups", "units", "column", "columns", "Markdown", "questions", "abbreviations", "altimeters", "mail"],
+    ids=[
+        "groups",
+        "units",
+        "column",
+        "columns",
+        "Markdown",
+        "questions",
+        "abbreviations",
+        "altimeters",
+        "mail",
+        "page",
+        "Dutch",
+        "examples",
+    ],
 )
 def test_the_apogee_of_a_flight_is_found_in_every_shape(log: str) -> None:
     assert apogees(log)[0] == pytest.approx(187)
@@ -79,6 +95,21 @@ def test_two_sensors_with_their_own_clocks_are_one_flight() -> None:
     (flight,) = opened(rows).flights
     assert flight.burn_time == pytest.approx(1.6, abs=0.1)
     assert flight.apogee == pytest.approx(APOGEE, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("names", "form"),
+    [("ALT FT   SECONDS", "{0} {1}"), ("Mission time,Height (ft)", "T{1:+},{0}")],
+    ids=["words", "T-3"],
+)
+def test_names_of_several_words_and_times_before_a_launch_are_read(names: str, form: str) -> None:
+    rows = [form.format(round(height / 0.3048, 1), round(time, 2)) for time, height in zip(TIME, SEEN, strict=True)]
+    assert apogee("\n".join([names, *rows, ""]).encode()) == pytest.approx(APOGEE, abs=1)
+
+
+def test_a_pressure_named_by_its_unit_is_read_whatever_its_first_value() -> None:
+    pressure = text(height_pressure(SEEN + 200), "{:.0f}")
+    assert apogee(table("ms;Pa", TIME * 1000, ["0", *pressure[1:]], separator=";")) == pytest.approx(APOGEE, abs=1)
 
 
 def test_rows_that_a_program_printed_as_tuples_are_read() -> None:

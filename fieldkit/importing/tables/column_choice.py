@@ -209,7 +209,7 @@ def _by_letter(layout: Layout, heads: Mapping[int, Heading]) -> list[Pick]:
             pad = np.array([float(cell)])
         except ValueError:
             pad = np.empty(0)
-        if settle_pressure(pad):
+        if settle_pressure(pad) or heads[place].words != ("p",):  # `Pa` is one wherever the first value is wrong
             return [Pick("pressure", place, heads[place].spelled, "")]
     return [Pick("altitude", place, heads[place].spelled, "") for name, place in letters.items() if name in ("h", "z")][
         :1

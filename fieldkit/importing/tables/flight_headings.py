@@ -25,6 +25,8 @@ NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "typ
 """Endings of a header that look like a unit but are not: `wind_direction` is a column of its own, and a Mach number is
 a speed only at a known temperature."""
 _NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?\s*[A-Za-z°/²]{0,6}")
+_EXAMPLE = re.compile(r"\((?:e\. ?g\.?|eg|for example|such as|optional|if known)\b[^()]*\)")
+"""What a form says in brackets about an answer: `Motor (e.g. C6-5)`."""
 _LETTER = re.compile(r"[^\W\d_]")
 _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 
@@ -109,7 +111,7 @@ def stated_unit(name: str) -> str:
 
 def plain(spelled: str) -> str:
     """A header in lower case, with one underscore for spaces and brackets: `Apogee (ft)` becomes `apogee_ft`."""
-    return re.sub(r"[\s()\[\]_?]+", "_", spelled.strip().lower()).strip("_")
+    return re.sub(r"[\s()\[\]_?]+", "_", _EXAMPLE.sub("", spelled.strip().lower())).strip("_")
 
 
 def usual_name(words: str) -> str:

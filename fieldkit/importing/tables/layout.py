@@ -225,6 +225,8 @@ def _are_units(cells: Sequence[str], names: Sequence[str]) -> bool:
 def _names(line: str, separator: str | None, width: int) -> list[str] | None:
     """The names in the line above a table, if there is one for every cell; a comment mark is not part of them."""
     cells = [cell.strip() for cell in split(_MARK.sub("", line), separator)]
+    if separator is None and len(cells) > width:  # names of several words
+        cells = re.split(r"\t|\s{2,}", _MARK.sub("", line).strip())
     while len(cells) > width and not cells[-1]:
         cells.pop()
     words = sum(bool(re.search(r"[^\W\d]", cell)) for cell in cells)

@@ -14,7 +14,10 @@ _MOST_FIELDS, _MOST_FLIGHTS = 100, 500
 """Largest number of rows of a table with a flight per column, and of its flights. [1]"""
 _RULE = re.compile(r"\s*\|?(?:\s*:?-{2,}:?\s*\|)+\s*(?::?-{2,}:?\s*)?")
 """The line below the header of a table in Markdown."""
-_LINE = re.compile(r"\s{0,8}([^\W\d_][\w /-]{2,40}?)\s?[:=]\s{0,4}([+-]?\d{0,6}[.,]?\d{1,6})\s?([A-Za-z/]{1,8}\.?)\s*")
+_LINE = re.compile(
+    r"\s{0,8}([^\W\d_][\w /-]{2,40}?)\s?[:=]\s{0,4}([+-]?(?:\d{1,3},\d{3}|\d{0,6})(?:\.\d{1,6})?)(?<=\d)"
+    r"\s?([A-Za-z/]{1,8}\.?)\s*"
+)
 """A label, a number and its unit on a line of their own."""
 _DAY = re.compile(r"\s{0,8}date\s?:\s{0,4}(\S.{5,40})", re.IGNORECASE)
 _LEAST_READOUTS = 3
@@ -39,6 +42,7 @@ def _from_labels(log: bytes) -> bytes | None:
     fields = [role_of(name, strict=False).field for name in names]
     if len(text) > _MOST_FIELDS or len(set(fields) & _READOUT_NAMES) < _LEAST_READOUTS or len(set(names)) < len(names):
         return None
+    names = [f"{field}_{match[3]}" if field else name for field, name, match in zip(fields, names, found, strict=True)]
     days = [match[1].strip() for line in text if (match := _DAY.fullmatch(line[:100]))]
     if len(days) == 1:
         return _csv([[*names, "date_time"], [*(match[2] for match in found), days[0]]])

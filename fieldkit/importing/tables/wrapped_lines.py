@@ -11,6 +11,9 @@ _LOOKED_AT, _MAX_LINE = 60, 4096
 _CITED, _QUOTED = re.compile(r"[ \t]{0,8}>"), re.compile(r'"(?:[^"]|"")*"[,; \t\r]*')
 _TUPLE = re.compile(r"[ \t]{0,8}(?:\([^()]*\)|\[[^\[\]]*\])[, \t\r]*")
 """A row as Python prints it, `(0.05, 1013.2)`."""
+_COUNTDOWN = re.compile(r"[ \t]{0,8}T ?[+-] ?\d")
+_COUNTDOWN_MARK, _MOST_COUNTDOWNS = re.compile(rb"^[ \t]{0,8}T ?([+-]) ?(?=\d)"), 0.8
+"""The time before and after a launch, `T-004.50` and `T+012.30`, in most of the first lines."""
 _CITATION = re.compile(rb"^[ \t]{0,8}>[ \t]?")
 _STAMPED = re.compile(
     rb"^(?:[ \t]{0,8}\[?(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,6})?)(?:\]|[ \t]*->)"
@@ -29,6 +32,8 @@ def unwrapped(log: bytes) -> bytes:
         return log
     if all(map(_CITED.match, start)):
         return _each_line(log, lambda line: _CITATION.sub(b"", line))
+    if sum(map(bool, map(_COUNTDOWN.match, start))) > _MOST_COUNTDOWNS * len(start):
+        return _each_line(log, lambda line: _COUNTDOWN_MARK.sub(lambda found: found[1].strip(b"+"), line))
     if all(map(_TUPLE.fullmatch, start)):
         return _each_line(log, lambda line: line.strip(b" \t\r,()[]"))
     if all(map(_QUOTED.fullmatch, start)):
