@@ -61,6 +61,7 @@ from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_f
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, shown
 from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
+from fieldkit.units import is_unit
 
 MAX_COLUMNS = 500
 """Largest number of columns; fieldkit writes fewer than a hundred. [1]"""
@@ -319,8 +320,8 @@ def _known_header(cell: str, heading: ColumnRole) -> str:
 
 
 def _is_remark(cell: str) -> bool:
-    """Whether a cell under an empty header is words about a flight, and no number that needs a name."""
-    return re.match(r"\s*[^\W\d_]{2}", cell) is not None
+    """Whether a cell under an empty header is words about a flight: no number that needs a name, and no unit of one."""
+    return re.match(r"\s*[^\W\d_]{2}", cell) is not None and not is_unit(cell.strip(" ."))
 
 
 def _date(cell: str, heading: ColumnRole) -> datetime | None:

@@ -60,6 +60,12 @@ def test_words_under_an_empty_header_are_a_note() -> None:
     assert flight.notes == "landed in a tree"
 
 
+def test_a_unit_under_an_empty_header_is_refused() -> None:
+    opened = read(b"Rocket,Motor,Apogee (m),\nKite,D12-5,187,ft\n", "a.csv", any_motor, None, [])
+    assert not opened.flights
+    assert "under an empty header" in str(opened.rejected[0])
+
+
 @pytest.mark.parametrize("row", ["Subtotal April,,2 flights,371", "Total,,2,371", "Best,,,187"])
 def test_a_row_that_counts_the_motors_is_not_a_flight(row: str) -> None:
     opened = read(

@@ -201,6 +201,8 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             yield row, DamagedLog(found, row=row)
 
 
+_EMPTY_ABOVE = 3
+"""One in so many cells of a row of headings above groups of columns is empty at least. [1]"""
 _MOST_TITLES, _LEAST_BELOW_TITLE = 5, 3
 """Largest number of title rows above a table's header, and the smallest number of cells in the header then. [1]"""
 
@@ -228,7 +230,8 @@ def first_row(text: str, separator: str) -> tuple[int, list[str]]:
 def _with_row_below(text: str, separator: str, row: int, cells: list[str]) -> tuple[int, list[str]]:
     """A header with its row number, completed by the row below it where headings above groups of columns are merged:
     `Flight,,Result,` above `No,Date,Apogee,Duration`. A unit below a heading is that of the heading."""
-    if all(cell.strip() for cell in cells):
+    empty = sum(not cell.strip() for cell in cells)
+    if empty < max(2, len(cells) / _EMPTY_ABOVE):
         return row, cells
     below = next(((n, found) for n, found in islice(rows(text, separator), row + 1) if n > row), (row, []))
     if isinstance(below[1], DamagedLog) or not _names_more(cells, below[1]):
