@@ -57,7 +57,7 @@ _LONGEST_INTERVAL = 20.0
 """Time between rows that no log of a flight has. [s]"""
 _MUCH = 0.2
 """A sensor that stays constant while another changes by this fraction of its range has failed. [1]"""
-_CLIPPED, _LEAST_CLIPPED = 0.995, 4
+_CLIPPED_FROM, _LEAST_CLIPPED = 0.995, 4
 """Fraction of its highest value within which an accelerometer is at the end of its range, and number of such rows that
 show it. [1]"""
 _RISES = 0.9
@@ -209,7 +209,7 @@ def _by_letter(layout: Layout, heads: Mapping[int, Heading]) -> list[Pick]:
             pad = np.array([float(cell)])
         except ValueError:
             pad = np.empty(0)
-        if settle_pressure(pad) or heads[place].words != ("p",):  # `Pa` is one wherever the first value is wrong
+        if settle_pressure(pad) or heads[place].words != ("p",):  # `Pa` is one even if the first value is wrong
             return [Pick("pressure", place, heads[place].spelled, "")]
     return [Pick("altitude", place, heads[place].spelled, "") for name, place in letters.items() if name in ("h", "z")][
         :1
@@ -391,7 +391,7 @@ def _with_wider_range(picks: Sequence[Pick], columns: Mapping[int, Float[Array, 
     ):
         return list(picks)
     highest, wider = (max((np.abs(columns[pick.place]) for pick in one), key=np.nanmax) for one in sets)
-    clipped = int((highest > _CLIPPED * np.nanmax(highest)).sum()) >= _LEAST_CLIPPED
+    clipped = int((highest > _CLIPPED_FROM * np.nanmax(highest)).sum()) >= _LEAST_CLIPPED
     return [one for one in picks if one not in first] if clipped and _beyond(wider, highest) else list(picks)
 
 
