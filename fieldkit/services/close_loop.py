@@ -83,8 +83,11 @@ def findings_of(
     fits: Fits | None = None,
 ) -> Findings:
     """Everything for a report of a rocket's diagnosis; `fits` as in `fieldkit.forecast.predict.predict`. Raises
-    BadValue for flights that cannot be simulated, DamagedModel if the hyperprior cannot be read."""
+    NoFlights if its flights were removed meanwhile, BadValue for flights that cannot be simulated, DamagedModel if the
+    hyperprior cannot be read."""
     history = flown(ledger, motors, rocket)
+    if not history:
+        raise NoFlights(f"{rocket}: its flights were removed during the search")
     assumed = assumed_of(ledger, motors, rocket, [flight for flight, _ in history], diagnosis.averaged)
     fits = {} if fits is None else fits
     flights = beside_others(history, assumed, fits=fits)

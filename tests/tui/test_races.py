@@ -11,8 +11,10 @@ from textual.events import Key
 from textual.widgets import Button, Input, Static
 
 from fieldkit import capture
+from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
 from fieldkit.services import close_loop
 from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_page import AddScreen
@@ -113,6 +115,12 @@ async def test_a_search_is_canceled_when_the_page_has_other_flights(file: Path, 
 
 
 @pytest.mark.thorough
+def test_a_search_whose_flights_are_removed_before_it_ends_says_so(tmp_path: Path) -> None:
+    diagnosis = looked_at().diagnosis
+    with Ledger.open(tmp_path / "empty.db") as empty, pytest.raises(NoFlights, match="removed during the search"):
+        close_loop.findings_of(empty, catalogue(), "Astra", diagnosis)
+
+
 async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("200"), "ctrl+s", "1", "enter")
