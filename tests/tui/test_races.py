@@ -114,13 +114,13 @@ async def test_a_search_is_canceled_when_the_page_has_other_flights(file: Path, 
         assert pilot.app.screen.query_one("#panels").found is None  # type: ignore[attr-defined]
 
 
-@pytest.mark.thorough
-def test_a_search_whose_flights_are_removed_before_it_ends_says_so(tmp_path: Path) -> None:
+def test_a_search_whose_flights_are_removed_reports_it(tmp_path: Path) -> None:
     diagnosis = looked_at().diagnosis
     with Ledger.open(tmp_path / "empty.db") as empty, pytest.raises(NoFlights, match="removed during the search"):
         close_loop.findings_of(empty, catalogue(), "Astra", diagnosis)
 
 
+@pytest.mark.thorough
 async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("200"), "ctrl+s", "1", "enter")
