@@ -50,9 +50,10 @@ _AVERAGING_TIME = 0.06
 CHERNOFF_SD = 0.513
 """Standard deviation of Chernoff's distribution (Groeneboom and Wellner, Journal of Computational and Graphical
 Statistics 10, 2001). [1]"""
-_CROSSING_STEPS = 1.5
+_CROSSING_STEPS = 2.5
 """Largest distance of a sample of an accelerometer from the top speed of the curve, in steps of whichever has longer
-ones: the end of thrust in one of them moves the curve by at most that. [1]"""
+ones: the curve spreads the end of thrust over one knot to either side, and that may lie anywhere between two samples.
+[1]"""
 _CROSSING_WINDOW, _NOISE_WINDOW, _LEAST_SLOPE = 0.15, 1.0, 5.0
 """Time to both sides of top speed over which the slope of the acceleration [s] and the noise of the accelerometer [s]
 are taken, and the slowest decrease of net acceleration at burnout [m/s^3]."""
@@ -154,6 +155,8 @@ def boost_event(
             late = float(np.linalg.norm([late, max(step, median_step(time)) / np.sqrt(12), noise]))
         else:
             moment, late = crossed[0], float(np.hypot(crossed[1] / np.sqrt(12), noise))
+            corner, corner_sd = _before_coast(push, ascent, begin, crossed, apogee)
+            value, spread = corner or value, float(np.hypot(spread, corner_sd))
         gained = _gained_between(push, begin, time[place])
         scale = float(np.hypot(push.scale - 1, push.scale_sd)) / 2 * value if push.scale_sd else _SPEED_ERROR * value
         spread = float(np.linalg.norm([spread, scale, push.missed_speed_sd, gained]))
@@ -245,6 +248,29 @@ def _crossed(push: Push, begin: float, moment: float, step: float) -> tuple[floa
         return None
     first, second = push.time[ends[0]], push.time[ends[0] + 1]
     return float(first + second) / 2, float(second - first)
+
+
+def _before_coast(
+    push: Push, ascent: Ascent, begin: float, crossed: tuple[float, float], apogee: float
+) -> tuple[float, float]:
+    """Speed at the end of thrust between two samples of an accelerometer, as `_crossed` has it, from the coast after
+    it, and its standard deviation, because thrust may end anywhere between the two; zeros if the coast is too short.
+    [m/s]
+
+    A curve through knots a step d apart, and samples c apart, spreads the end of thrust over about 2 d + c and stays
+    below the highest speed. Derivation: v(end) = v(t) + integral of g - a from the end to a t beyond that, with the
+    first sample without thrust for the half interval before it.
+    """
+    net, (moment, interval) = levelled(push, begin), crossed
+    after = moment + 1.5 * interval + 2 * median_step(ascent.time)
+    if net is None or after >= apogee:
+        return 0.0, 0.0
+    first = moment + interval / 2
+    inside = (push.time >= first) & (push.time <= after)
+    time = np.concatenate(([moment], push.time[inside], [after]))
+    lost = np.concatenate((net[inside][:1], net[inside], [np.interp(after, push.time, net)]))
+    speed = np.interp(after, ascent.time, ascent.speed) - np.trapezoid(lost, time)
+    return float(speed), float(abs(lost[0]) * interval / np.sqrt(12))
 
 
 def _moved_by_noise(push: Push, ascent: Ascent, moment: float) -> float:
