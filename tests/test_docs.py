@@ -282,7 +282,7 @@ def test_the_names_in_the_manual_are_those_of_the_page_of_hidden_effects() -> No
     found = re.search(r"; (\d+) of \d+ histories\), (\d+) get a name, (\d+) of them a false one", page)
     assert found is not None
     histories, named, false = found.groups()
-    words = {"3": "three"}
+    words = {"3": "three", "4": "four"}
     evidence_page, loop = (" ".join(PAGES[name].split()) for name in ("evidence", "loop"))
     assert f"of {histories} seasons with an effect it named {named}, {words[false]} of them wrongly" in evidence_page
     assert f"of {histories} seasons that scatter like real flights and have an effect, it named {named} (" in loop
