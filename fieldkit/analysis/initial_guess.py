@@ -85,10 +85,16 @@ def first_guess(
             guess[inside] = gained[inside]
             fused = True
     if lift is not None:
-        guess[knots < lift] = 0.0
+        guess[knots < (_last_rest(push, lift) - grid.step if push is not None and fused else lift)] = 0.0
     speed = np.concatenate(([0.0], np.cumsum((guess[1:] + guess[:-1]) / 2))) * grid.step
     rise = speed[:-1] * grid.step + (2 * guess[:-1] + guess[1:]) * grid.step**2 / 6
     return Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
+
+
+def _last_rest(push: Push, lift: float) -> float:
+    """Time of the last sample of an accelerometer before lift-off: what is felt between that and the next one rises in
+    between, on average half of the interval, and belongs to the boost. [s]"""
+    return float(push.time[max(int(np.searchsorted(push.time, lift)) - 1, 0)])
 
 
 def boost(since: Float[Array, "_"], top_speed: float, burn: float) -> Float[Array, "_"]:
