@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.importing import GivenValues, say_next
+from fieldkit.cli.importing import GivenValues, complain_of_names, say_next
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import takes_lacking
 from fieldkit.cli.screen import AsJson, complain, measured, print_json, print_table, say, system
@@ -187,7 +187,11 @@ def capture(
     if list_:
         print_ports(json)
         return
-    defaults = read_settings(given_columns(given, named), MotorCheck())
+    settings = given_columns(given, named)
+    defaults = read_settings(settings, MotorCheck())
+    if settings:
+        with open_ledger(context) as ledger:  # before the download: a misspelled name is easier to correct now
+            complain_of_names(ledger, settings)
     with _interrupt() as stop, View() as view:
         hertz = None if frequency is None else frequency * 1e6
         choose = _chooser(flight or (), view.pause, asks=sys.stdin.isatty() and not json)

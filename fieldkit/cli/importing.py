@@ -135,7 +135,7 @@ def import_(
     settings = given_columns(given, named)
     gathered, motors = _gathered([*(files or ()), *[REFERENCE_FLIGHTS] * example], format, settings, columns)
     with open_ledger(context) as ledger:
-        _complain_of_names(ledger, settings)
+        complain_of_names(ledger, settings)
         receipt = take_in(ledger, gathered, dry_run=dry_run, motors=motors)
         _complain_of(receipt.rejected, receipt.notes)
         if json:
@@ -147,7 +147,7 @@ def import_(
     _fail_for(receipt.unusable)
 
 
-def _complain_of_names(ledger: "Ledger", settings: Mapping[str, str]) -> None:
+def complain_of_names(ledger: "Ledger", settings: Mapping[str, str]) -> None:
     """Note names that the ledger does not know and that resemble known ones."""
     from fieldkit.services.unknown_names import unknown_names
 

@@ -39,6 +39,7 @@ TYPED = {
 ON = "--motor F24-4W"
 REST = {
     "ballast": f"{ON} --target 200m",
+    "capture": "--rocket Astra",
     "compare": "{table} {table}",
     "contest": ON,
     "daysheet": f"{ON} --out {{folder}}/sheet.pdf",
