@@ -168,11 +168,11 @@ def settle_net(
 ) -> InferredUnit | None:
     """The unit of an acceleration net of gravity, or of its opposite: zero at rest or in a steady descent, and one g of
     deceleration before apogee; the clock and the heights are in SI."""
-    coast, steady = last_of_climb(time, height, acceleration), (rest(acceleration, time), _median(acceleration))
+    coast, resting = last_of_climb(time, height, acceleration), (rest(acceleration, time), _median(acceleration))
     fits = []
     for unit in ("g", "m/s2", "ft/s2"):
         in_g = UNITS["acceleration"][unit].factor / STANDARD_GRAVITY
-        is_net = any(abs(one) * in_g < _NO_GRAVITY for one in steady)
+        is_net = any(abs(one) * in_g < _NO_GRAVITY for one in resting)
         if is_net and _END_OF_CLIMB[0] < abs(coast) * in_g < _END_OF_CLIMB[1]:
             fits.append(unit)
     return InferredUnit(fits[0], "from its value before apogee") if len(fits) == 1 else None
