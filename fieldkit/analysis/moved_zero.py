@@ -20,8 +20,9 @@ _STEP_SPEED, _AT_REST = 700.0, 5.0
 """Speed that no such rocket has [m/s], and largest range of heights at rest [m]."""
 _CURVE = 8
 """Number of samples before and after a step through which a curve shows its size. [1]"""
-_LEVELS, _TERRAIN = 0.1, 20.0
-"""Largest difference of a step and of the levels at rest, as a fraction of the step [1] and of the terrain [m]."""
+_LEVELS, _TERRAIN, _EXPLAINED = 0.1, 20.0, 0.5
+"""Largest difference of a step and of the levels at rest: as a fraction of the step [1] and of the terrain [m] in sum,
+and as a fraction of the step alone, because a step by a shock or a charge leaves the levels as they were [1]."""
 
 
 def on_one_zero(time: Float[Array, "row"], height: Float[Array, "row"]) -> Float[Array, "row"]:
@@ -35,7 +36,8 @@ def on_one_zero(time: Float[Array, "row"], height: Float[Array, "row"]) -> Float
     begin, end = high[:_SAMPLES], high[-_SAMPLES:]
     moved = float(np.median(end) - np.median(begin))
     rests = max(np.ptp(begin), np.ptp(end)) < _AT_REST
-    if not rests or abs(step) < _STEP_SPEED * lasts or abs(step - moved) > _LEVELS * abs(step) + _TERRAIN:
+    most = min(_LEVELS * abs(step) + _TERRAIN, _EXPLAINED * abs(step))
+    if not rests or abs(step) < _STEP_SPEED * lasts or abs(step - moved) > most:
         return height
     around = np.r_[last - _CURVE + 1 : last + 1 + _CURVE]
     since = when[around] - when[last]

@@ -15,6 +15,7 @@ from fieldkit.analysis import NO_FLIGHT, Recorded, measure
 from fieldkit.analysis.channels import Heights, Push, heights
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.liftoff import liftoff
+from fieldkit.analysis.moved_zero import on_one_zero
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.possible import known_well, possible, widened_by_contradictions
 from fieldkit.analysis.records import Figure
@@ -723,3 +724,12 @@ def test_a_log_that_begins_in_the_coast_has_no_liftoff() -> None:
     assert "liftoff" not in recorded.events
     assert not recorded.figures.keys() & {"time_to_apogee", "burn_time", "peak_accel", "duration"}
     assert not misses(recorded, truth, "apogee")
+
+
+def test_a_step_that_leaves_the_levels_at_rest_as_they_were_sets_no_zero() -> None:
+    time = np.arange(0.0, 30.0, 0.005)
+    height = np.interp(time, [5.0, 8.0, 25.0], [0.0, 150.0, 0.0]) + np.where((time > 7.5) & (time < 8.5), 6.0, 0.0)
+    np.testing.assert_array_equal(on_one_zero(time, height), height)
+    zeroed = np.where(time < 5.5, height + 40.0, height)
+    assert np.ptp(on_one_zero(time, zeroed)[time < 5.0]) < 1e-6
+    assert on_one_zero(time, zeroed)[0] == pytest.approx(0.0, abs=1.0)
