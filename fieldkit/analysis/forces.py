@@ -155,8 +155,8 @@ def boost_event(
             late = float(np.linalg.norm([late, max(step, median_step(time)) / np.sqrt(12), noise]))
         else:
             moment, late = crossed[0], float(np.hypot(crossed[1] / np.sqrt(12), noise))
-            corner, corner_sd = _before_coast(push, ascent, begin, crossed, apogee)
-            value, spread = corner or value, float(np.hypot(spread, corner_sd))
+            value, sd = _before_coast(push, ascent, begin, crossed, apogee) or (value, 0.0)
+            spread = float(np.hypot(spread, sd))
         gained = _gained_between(push, begin, time[place])
         scale = float(np.hypot(push.scale - 1, push.scale_sd)) / 2 * value if push.scale_sd else _SPEED_ERROR * value
         spread = float(np.linalg.norm([spread, scale, push.missed_speed_sd, gained]))
@@ -252,9 +252,9 @@ def _crossed(push: Push, begin: float, moment: float, step: float) -> tuple[floa
 
 def _before_coast(
     push: Push, ascent: Ascent, begin: float, crossed: tuple[float, float], apogee: float
-) -> tuple[float, float]:
+) -> tuple[float, float] | None:
     """Speed at the end of thrust between two samples of an accelerometer, as `_crossed` has it, from the coast after
-    it, and its standard deviation, because thrust may end anywhere between the two; zeros if the coast is too short.
+    it, and its standard deviation, because thrust may end anywhere between the two; None if the coast is too short.
     [m/s]
 
     A curve through knots a step d apart, and samples c apart, spreads the end of thrust over about 2 d + c and stays
@@ -264,9 +264,8 @@ def _before_coast(
     net, (moment, interval) = levelled(push, begin), crossed
     after = moment + 1.5 * interval + 2 * median_step(ascent.time)
     if net is None or after >= apogee:
-        return 0.0, 0.0
-    first = moment + interval / 2
-    inside = (push.time >= first) & (push.time <= after)
+        return None
+    inside = (push.time > moment) & (push.time <= after)  # never empty: the second of the two samples is in it
     time = np.concatenate(([moment], push.time[inside], [after]))
     lost = np.concatenate((net[inside][:1], net[inside], [np.interp(after, push.time, net)]))
     speed = np.interp(after, ascent.time, ascent.speed) - np.trapezoid(lost, time)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.importing import GivenValues, complain_of_names, say_next
+from fieldkit.cli.importing import GivenValues, complain_of, complain_of_names, say_next, say_receipt
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import takes_lacking
 from fieldkit.cli.screen import AsJson, complain, measured, print_json, print_table, say, system
@@ -26,7 +26,7 @@ from fieldkit.cli.session import MotorCheck, given_columns, open_ledger, read_se
 from fieldkit.errors import BadValue, CaptureTrouble, PortTrouble
 from fieldkit.paths import capture_folder
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import ShownUnits, counted, in_system
+from fieldkit.quantities import ShownUnits, counted
 from fieldkit.safe_text import printable, whole_number
 
 if TYPE_CHECKING:
@@ -340,23 +340,11 @@ def _received(
     with open_ledger(context) as ledger:
         check = MotorCheck()
         receipt = bring_in(ledger, [end.file], check, defaults=defaults, motors=check.catalogue)
-        _complain_of(receipt)
+        complain_of(receipt.rejected, receipt.notes)
         if not json:
-            say(
-                f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}, "
-                f"{len(receipt.rejected)} rejected"
-            )
+            say_receipt(receipt, "Imported")
             say_next(ledger, receipt)
     return receipt
-
-
-def _complain_of(receipt: "Receipt") -> None:
-    """Print rejected rows and notes."""
-    for row in receipt.rejected:
-        place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
-        complain(f"{', '.join(part for part in place if part)}: {row.error}")
-    for note in receipt.notes:
-        complain(f"note: {in_system(note, system())}")
 
 
 def _document(end: "Ended", receipt: "Receipt | None") -> dict[str, object]:

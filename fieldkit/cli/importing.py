@@ -84,7 +84,7 @@ def inspect(
     from fieldkit.presentation.import_view import document, lines
 
     gathered, _ = _gathered(files, format, given_columns(given, {}), columns)
-    _complain_of(gathered.rejected, ())
+    complain_of(gathered.rejected, ())
     if json:
         print_json(document(gathered.files))
         _fail_for(gathered.unusable)
@@ -137,11 +137,11 @@ def import_(
     with open_ledger(context) as ledger:
         complain_of_names(ledger, settings)
         receipt = take_in(ledger, gathered, dry_run=dry_run, motors=motors)
-        _complain_of(receipt.rejected, receipt.notes)
+        complain_of(receipt.rejected, receipt.notes)
         if json:
             print_json(_document(receipt))
         else:
-            _say(receipt, "Would import" if dry_run else "Imported")
+            say_receipt(receipt, "Would import" if dry_run else "Imported")
             if not dry_run:
                 say_next(ledger, receipt)
     _fail_for(receipt.unusable)
@@ -166,7 +166,7 @@ def _fail_for(unusable: int) -> None:
         raise typer.Exit(1)
 
 
-def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
+def complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
     """Print rejected rows and notes, one line each, up to `MAX_LISTED` of them."""
     for row in rejected[:MAX_LISTED]:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
@@ -192,7 +192,7 @@ def _document(receipt: "Receipt") -> dict[str, object]:
     }
 
 
-def _say(receipt: "Receipt", done: str) -> None:
+def say_receipt(receipt: "Receipt", done: str) -> None:
     """Print the counts of an import, and one line per file."""
     from fieldkit.presentation.import_view import in_a_line
 
