@@ -431,7 +431,8 @@ def page(rows: Sequence[Mapping[str, Any]], code: str, command: str) -> list[str
         "**What it misses.** A mass that is wrong on one flight looks like a weak motor. An ejection that is",
         "late by up to three seconds is within the scatter of delays. A readout in feet that was taken for",
         "meters is often impossible, so that it is left out before the comparison, and the flight looks usual",
-        "without it. The prevalences and typical strengths of the causes are round judgments",
+        "without it; `show` says which it is and what unit would explain it. The prevalences and typical",
+        "strengths of the causes are round judgments",
         "(`fieldkit/model/causes.py`); of these, the strength of weak motors was lowered from 20% to 10% of",
         "the impulse, by what certification allows, after the first look at the open journal's flights.",
     )

@@ -111,6 +111,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         recording = _recording(ledger, flight) if found.has_log else None
         forecast = prediction_of(ledger, found)
         beside = _beside_others(ledger, found)
+        excluded = _exclusion(found)
     if json:
         from fieldkit.presentation.json_documents import flight_document
 
@@ -123,10 +124,12 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         return
     print_card(found, id)
     print_prediction(forecast)
+    if excluded:
+        say_wrapped(f"Excluded from every fit: {excluded}.")
     if beside:
         from fieldkit.presentation.one_off_text import why
 
-        say_wrapped(why(beside))
+        say_wrapped(why(beside, system()))
     if recording:
         _print_events(recording)
         if _measures_otherwise(found, recording):
@@ -135,6 +138,13 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
                 f"`fieldkit remeasure {quote(id)} --dry-run` shows by how much, and without --dry-run updates the "
                 "flight"
             )
+
+
+def _exclusion(flight: "Flight") -> str:
+    """Why a flight without tags is excluded from every fit; empty if it is used."""
+    from fieldkit.services.plausible_flights import exclusion
+
+    return in_system(exclusion(flight, MotorCheck().catalogue), system()) if flight.clean else ""
 
 
 def _beside_others(ledger: "Ledger", flight: "Flight") -> "FlightBesideOthers | None":

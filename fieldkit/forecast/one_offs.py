@@ -4,19 +4,22 @@ The model is that of the forecasts, averaged over the sets of effects that they 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import not_measured
 from fieldkit.forecast.assumed import FLIGHTS_ALONE, Assumed
 from fieldkit.forecast.predict import Fits, fitted
 from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
 from fieldkit.model.causes import CAUSES, NAMES
-from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import FlownFlights
+from fieldkit.motors import Found
 from fieldkit.physics.history import flown_and_planned
 from fieldkit.selection.candidates import Averaged, Place
+from fieldkit.shapes import Array, Float
 
 SINGLED_OUT = 0.5
 """Probability of being a one-off above which a flight is singled out. [1]"""
@@ -41,13 +44,23 @@ class PossibleCause:
 
 
 @dataclass(frozen=True, slots=True)
+class Impossible:
+    """A readout that cannot be a measurement: the reason, and the log of its ratio to the simulated one, nan if the
+    model does not compare it so. [1]"""
+
+    reason: str
+    log_ratio: float
+
+
+@dataclass(frozen=True, slots=True)
 class FlightBesideOthers:
     """A flight compared with the forecast without it.
 
     `forecast` is the apogee to expect from the other flights, `miss` the flown one minus it, with the standard
     deviation of a usual flight; nan without an apogee. [m] `departures` has the difference of every readout that the
     model compares from its expectation and its standard deviation, as log ratios or for the time to ejection in
-    seconds. `probability` is that of being a one-off, `causes` the possible ones, the most probable first.
+    seconds. `probability` is that of being a one-off, `causes` the possible ones, the most probable first. No fit uses
+    the readouts in `impossible`, so the flight may be a usual one beside them.
     """
 
     flight: Flight
@@ -57,6 +70,7 @@ class FlightBesideOthers:
     departures: Mapping[str, tuple[float, float]]
     probability: float
     causes: tuple[PossibleCause, ...]
+    impossible: Mapping[str, Impossible] = field(default_factory=dict)
 
     @property
     def interval(self) -> tuple[float, float, float] | None:
@@ -87,7 +101,7 @@ def beside_others(
     used. Arguments and errors as in `fieldkit.forecast.predict.predict`."""
     history = flown_and_planned(flown)
     flights = history.flights
-    parts = []
+    parts, simulated = [], np.zeros((len(flights), len(OBSERVED_READOUTS)))
     for chance, places in replace(assumed, sets=_flown_sets(assumed.sets)).acting(flights):
         model = assumed.model(history, places)
         known = set(model.shared.names) if model.shared else set()
@@ -95,8 +109,22 @@ def beside_others(
         every = observe(history.using([True] * len(flights)), model.hyperprior)
         fit = fitted(model.only(used), observe(history, model.hyperprior), {} if fits is None else fits)
         parts.append((chance, one_offs(fit, every)))
-    whole = _mixed(parts)
-    return tuple(_beside(flight, whole, row) for row, flight in enumerate(flights))
+        simulated = simulated + chance * fit.tangent.values
+    whole, simulated = _mixed(parts), simulated / sum(chance for chance, _ in parts)
+    return tuple(
+        replace(_beside(flight, whole, row), impossible=_impossible(flight, found, simulated[row]))
+        for row, (flight, found) in enumerate(zip(flights, history.found, strict=False))
+    )
+
+
+def _impossible(flight: Flight, found: Found, simulated: Float[Array, "readout"]) -> dict[str, Impossible]:
+    """The readouts of a flight that cannot be measurements, beside the simulated ones as compared [1] or [s]."""
+    logs = dict(zip(np.array(OBSERVED_READOUTS)[IS_LOGARITHMIC].tolist(), simulated[IS_LOGARITHMIC], strict=True))
+    gone = not_measured(flight, found.motor)
+    values = {name: max(flight.number(name) or 0.0, 0.0) or np.nan for name in gone}
+    return {
+        name: Impossible(reason, float(np.log(values[name]) - logs.get(name, np.nan))) for name, reason in gone.items()
+    }
 
 
 def _flown_sets(averaged: Averaged) -> Averaged:

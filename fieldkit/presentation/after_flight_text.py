@@ -27,8 +27,8 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
             f"{source} {_interval(found.forecast, system)}; flown {measure(APOGEE, flown, system)}: "
             f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval."
         )
-    if found.beside is not None and found.beside.singled_out and found.beside.flight.clean:
-        yield " ".join(one_off_lines([found.beside]))
+    if found.beside is not None:
+        yield from one_off_lines([found.beside], system)
     before, after = found.cd
     if _visible(before, after):
         yield f"Next Cd {after:.2f}, before {before:.2f}."
@@ -44,7 +44,7 @@ def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
         where = "inside" if found.inside else "OUTSIDE"
         yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval"
     if found.beside is not None and found.beside.singled_out:
-        yield "Cause", why(found.beside)
+        yield "Cause", why(found.beside, system)
     before, after = found.cd
     yield "Next Cd", f"{before:.2f} is now {after:.2f}" if _visible(before, after) else f"{after:.2f}, unchanged"
     yield "Next", f"{_interval(found.next_flight, system)} on {found.flight.motor}"

@@ -47,7 +47,7 @@ def report(found: Findings, system: str = "SI", *, details: bool = False) -> Ite
     yield from misses_drawn(found, system)
     yield from mean_misses(found, shown)
     yield ""
-    if odd := list(one_off_lines(found.flights)):
+    if odd := list(one_off_lines(found.flights, system)):
         yield from (f"  {line}" for line in odd)
         yield ""
     yield from _effects(found, system, every=details)

@@ -6,9 +6,11 @@ from shlex import quote
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label, has_derived_id, short_name
+from fieldkit.flight.unit_slips import UnitSlip, unit_slip
 from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause, farthest
 from fieldkit.model.causes import CAUSES
-from fieldkit.quantities import percent
+from fieldkit.quantities import in_system, percent
+from fieldkit.spelled_units import rounded, with_unit
 
 CLEAR = 1.5
 """A readout departs clearly from this many standard deviations on. [1]"""
@@ -26,8 +28,54 @@ MORE_OR_LESS = {
 """Readouts in seconds, and the words for more and for less."""
 
 
-def why(one: FlightBesideOthers) -> str:
-    """What is known about a flight in one or two sentences."""
+IMPOSSIBLE_SD = 0.05
+"""Standard deviation of the log ratio of a readout that no fit uses to the simulated one, about that of devices. [1]"""
+
+
+def why(one: FlightBesideOthers, system: str = "SI") -> str:
+    """What is known about a flight in a few sentences, in the units of a system."""
+    return " ".join([_beside(one), *_impossible(one, system)])
+
+
+def _impossible(one: FlightBesideOthers, system: str) -> Iterator[str]:
+    """A sentence for each reason why readouts of a flight cannot be measurements."""
+    slips, titles = _impossible_slips(one), dict[str, list[str]]()
+    for name, found in one.impossible.items():
+        meant = f"; perhaps {_words(slips[name])}" if name in slips else ""
+        titles.setdefault(in_system(found.reason, system) + meant, []).append(BY_NAME[name].title.lower())
+    for reason, own in titles.items():
+        yield f"Its {' and '.join(own)} {'is' if len(own) == 1 else 'are'} excluded from every fit: {reason}."
+
+
+def _impossible_slips(one: FlightBesideOthers) -> dict[str, UnitSlip]:
+    """Units that explain readouts that cannot be measurements."""
+    found = {name: _slip(one, name, each.log_ratio, IMPOSSIBLE_SD) for name, each in one.impossible.items()}
+    return {name: slip for name, slip in found.items() if slip is not None}
+
+
+def _slip(one: FlightBesideOthers, name: str, log_ratio: float, sd: float) -> UnitSlip | None:
+    """The units that explain a readout of a flight; None if none do, or if it has no such readout."""
+    value = one.flight.number(name)
+    return unit_slip(BY_NAME[name], value, log_ratio, sd) if value else None
+
+
+def _misread_slip(one: FlightBesideOthers) -> tuple[str, UnitSlip] | None:
+    """The readout of a flight that is probably misread and the units that explain it, if any do."""
+    if not one.singled_out or one.causes[0].cause != "misread":
+        return None
+    name = farthest(one.departures)
+    slip = _slip(one, name, *one.departures[name])
+    return None if slip is None else (name, slip)
+
+
+def _words(slip: UnitSlip) -> str:
+    """`918 ft taken for 918 m`."""
+    number = rounded(slip.number)
+    return f"{with_unit(number, slip.meant)} taken for {with_unit(number, slip.read)}"
+
+
+def _beside(one: FlightBesideOthers) -> str:
+    """How a flight compares with the others."""
     name = _name(one.flight)
     flew = _flew(one)
     if not one.departures:
@@ -62,7 +110,10 @@ def _cause(one: FlightBesideOthers) -> str:
     first = one.causes[0]
     shown = ", ".join(_signs(one))
     if first.probability >= MIN_LIKELY_FRACTION * one.probability:
-        return f"Most likely {_named(one, first)} ({percent(first.probability)})" + (f": {shown}" if shown else "")
+        slip = _misread_slip(one)
+        perhaps = f", perhaps {_words(slip[1])}" if slip is not None else ""
+        likely = f"Most likely {_named(one, first)} ({percent(first.probability)}){perhaps}"
+        return f"{likely}: {shown}" if shown else likely
     several = f"Possible: {_listed(one.causes)}"
     if set(one.departures) == {"apogee"}:
         return f"{several}; the apogee alone does not decide, top speed and coast time would"
@@ -73,7 +124,10 @@ def _named(one: FlightBesideOthers, cause: PossibleCause) -> str:
     """The cause in words; of a misread readout, which one."""
     if cause.cause != "misread":
         return CAUSES[cause.cause].title
-    return f"a misread {BY_NAME[farthest(one.departures)].title.lower()}"
+    name = farthest(one.departures)
+    if name == "top_speed" and one.flight.top_speed is None:
+        name = "avg_accel"  # the speed is that times the burn time
+    return f"a misread {BY_NAME[name].title.lower()}"
 
 
 def _listed(causes: Sequence[PossibleCause]) -> str:
@@ -113,11 +167,18 @@ def likely_cause(one: FlightBesideOthers) -> tuple[str, str]:
     return cause.title, cause.tag
 
 
-def one_off_lines(found: Sequence[FlightBesideOthers]) -> Iterator[str]:
-    """A line for every flight that is singled out, with the command that tags it."""
+def one_off_lines(found: Sequence[FlightBesideOthers], system: str = "SI") -> Iterator[str]:
+    """A line for every flight that is singled out or has a readout in the wrong unit, and the command that corrects or
+    tags it."""
     for one in found:
-        if not one.singled_out or not one.flight.clean:
+        edits = {name: slip.typed for name, slip in _impossible_slips(one).items()}
+        if (slip := _misread_slip(one)) is not None:
+            edits[slip[0]] = slip[1].typed
+        if not one.flight.clean or not (one.singled_out or edits):
             continue
-        yield why(one)
-        if one.suggested_tags:
-            yield f"If that is so: fieldkit tag {quote(one.flight.flight_id)} {one.suggested_tags[0]}"
+        yield why(one, system)
+        name = quote(one.flight.flight_id)
+        if edits:
+            yield f"If that is so: `fieldkit edit {name} {' '.join(f'{key}={text}' for key, text in edits.items())}`."
+        elif one.suggested_tags:
+            yield f"If that is so: `fieldkit tag {name} {one.suggested_tags[0]}`."

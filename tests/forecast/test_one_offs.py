@@ -1,6 +1,7 @@
 """Flights compared with their forecasts from the others."""
 
 from itertools import pairwise
+from math import log
 
 import pytest
 
@@ -72,3 +73,15 @@ def test_rivals_are_scored_on_the_same_flights() -> None:
     assert found["flight before"].mae_m == pytest.approx(sum(steps) / len(steps))
     assert found["flight before"].crps_m == pytest.approx(found["flight before"].mae_m)
     assert found["fleet ratio"].crps_m < found["uncalibrated"].crps_m
+
+
+def test_a_readout_that_cannot_be_a_measurement_is_explained_beside_a_usual_flight() -> None:
+    flown = season()
+    flight, motor = flown[5]
+    long = flight.with_changes(burn_time=3.3 * (flight.burn_time or 0.0))
+    one = beside_others([*flown[:5], (long, motor), *flown[6:]])[5]
+    assert set(one.impossible) == {"burn_time"}
+    assert "burn_time" not in one.departures
+    assert one.impossible["burn_time"].log_ratio == pytest.approx(log(3.3), abs=0.1)
+    assert not one.singled_out
+    assert all(not each.impossible for each in beside_others(flown))

@@ -101,7 +101,7 @@ class FlightPlots(Horizontal):
 def _figures(row: FlightRow, beside: FlightBesideOthers | None, system: str) -> Iterable[Hanging]:
     yield cards.lines(cards.heading(row.flight, row.id), ())
     if beside is not None:
-        yield hanging([why(beside)])
+        yield hanging([why(beside, system)])
     yield cards.lines("Readouts", cards.readouts(row.flight, system), 20)
     if row.flight.tags:
         yield cards.lines("Tags", cards.tags(row.flight))

@@ -54,7 +54,7 @@ class Pane(VerticalScroll, can_focus=False):
         facts = Content("\n".join(map(printable, _facts(one, system)))).stylize("bold")
         self.query_one("#pane-facts", Static).update(facts)
         found = None if one is None else beside.get((one.flight.rocket, one.flight.flight_id))
-        self.query_one("#pane-why", Static).update(Content("" if found is None else printable(why(found))))
+        self.query_one("#pane-why", Static).update(Content("" if found is None else printable(why(found, system))))
         same = [] if one is None else [other for other in reversed(flights) if other.flight.rocket == one.flight.rocket]
         missed = [(other.flight.flight_id, other.miss) for other in same if other.miss is not None]
         unit = spelled(unit_of(cards.APOGEE, system))

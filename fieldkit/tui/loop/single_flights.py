@@ -35,6 +35,7 @@ class SingleFlights(Vertical):
 
     def show(self, found: Sequence[FlightBesideOthers], system: str) -> None:
         """Show flights beside the others of their rocket."""
+        self.system = system
         odd = odd_flights(found)
         first = {one.flight.flight_id: one for one in odd}
         rows = first | {one.flight.flight_id: one for one in found if one.flight.flight_id not in first}
@@ -62,10 +63,11 @@ class SingleFlights(Vertical):
         self.screen.refresh_bindings()
         none = "" if one is None or odd_flights(self.found) else f"{NONE_ODD}\n"
         hint = f"\nEnter to tag it {self.tag}: fits then leave it out" if self.tag else ""
-        text = "" if one is None else printable(why(one))
+        text = "" if one is None else printable(why(one, self.system))
         self.query_one("#why", Static).update(Content.assemble((none, "b"), text, (hint, "b")))
 
     found: Sequence[FlightBesideOthers] = ()
+    system: str = "SI"
 
     @property
     def current(self) -> FlightBesideOthers | None:
