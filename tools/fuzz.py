@@ -1,19 +1,24 @@
 """Fuzzes every reader of files of unknown origin with atheris: python tools/fuzz.py [--seconds 60] [--reader NAME]
 
 The readers are every parser of logs, and those of saved weather, designs and motor files; each is fuzzed for that long
-in a process of its own. A reader starts with good files, saves new inputs in build/fuzz/NAME, from which the next run
-continues, and stops at its first failure, with the input in build/fuzz. `python tools/fuzz.py --reader NAME --again
-FILE` runs only that input. A log is read by its parser, and one in eight also as a flyer's import reads it, with the
-requirements of tests/importing/test_bad_input.py. atheris is not a dependency: install it with pip in the same
-environment. Without it, the tool prints a message, and only the test with hypothesis can be run.
+in a process of its own. Its line has the number of inputs, how many of them reached new code, and the coverage (edges
+between blocks of code) at half time and at the end: if both are equal, a longer run is unlikely to find more. A reader
+starts with good files, saves new inputs in build/fuzz/NAME, from which the next run continues, and stops at its first
+failure, with the input in build/fuzz. `python tools/fuzz.py --reader NAME --again FILE` runs only that input. A log is
+read by its parser, and one in eight also as a flyer's import reads it, with the requirements of
+tests/importing/test_bad_input.py. atheris is not a dependency: install it with pip in the same environment. Without it,
+the tool prints a message, and only the test with hypothesis can be run.
 """
 
 import argparse
 import json
+import re
 import subprocess
 import sys
+import time
 import warnings
 import zlib
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
@@ -41,6 +46,7 @@ def main() -> int:
     parser.add_argument("--reader", help="One reader only, by its name.")
     parser.add_argument("--again", type=Path, help="An input to run once more.")
     parser.add_argument("--list", action="store_true", help="Print the names of the readers as JSON.")
+    parser.add_argument("--in-process", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.list:
         print(json.dumps(list(_readers())))
@@ -50,11 +56,12 @@ def main() -> int:
     except ImportError:
         print("atheris is not installed (pip install it); tests/importing/test_bad_input.py tries bad logs without it")
         return 0
+    if not (options.in_process or options.again):
+        names = [options.reader] if options.reader else list(_readers())
+        return max(_in_own_process(name, sys.argv[1:], options.seconds / 2) for name in names)
     read = ["parsers", "importing.tables", "importing.weather", "openrocket", "motors.rasp", "motors.rocksim"]
     with atheris.instrument_imports(include=[f"fieldkit.{name}" for name in read]):
         readers = _readers()
-    if options.reader is None:
-        return max(_in_own_process(name, sys.argv[1:]) for name in readers)
     warnings.simplefilter("error")
     one_input = readers[options.reader]
     if options.again:
@@ -73,15 +80,29 @@ def main() -> int:
     return 0
 
 
-def _in_own_process(name: str, arguments: list[str]) -> int:
+def _in_own_process(name: str, arguments: list[str], half_time: float) -> int:
     """Fuzz one reader in a process of its own, print the result in a line, and return its exit status."""
-    done = subprocess.run([sys.executable, __file__, *arguments, "--reader", name], capture_output=True, text=True)
-    counts = [line.split()[-1] for line in done.stderr.splitlines() if line.startswith(("stat::number", "stat::new"))]
-    inputs, new = counts[:2] if len(counts) > 1 else ("?", "?")
-    print(f"{name}: {inputs} inputs, {new} of them new; {'a failure' if done.returncode else 'no failure'}", flush=True)
-    if done.returncode:
-        print(done.stdout[-2000:] + done.stderr[-1000:])
-    return done.returncode
+    command = [sys.executable, __file__, *arguments, "--reader", name, "--in-process"]
+    found = {"number_of_executed_units": "?", "new_units_added": "?", "half": "?", "cov": "?"}
+    tail, start = deque[str](maxlen=40), time.monotonic()
+    both = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    with subprocess.Popen(command, text=True, errors="replace", **both) as run:
+        assert run.stdout
+        for line in run.stdout:
+            tail.append(line)
+            if "INITED" in line:
+                start = time.monotonic()
+            found |= re.findall(r"\b(cov|number_of_executed_units|new_units_added): +(\d+)", line)
+            if time.monotonic() - start < half_time:
+                found["half"] = found["cov"]
+    print(
+        f"{name}: {found['number_of_executed_units']} inputs, {found['new_units_added']} of them new; coverage "
+        f"{found['half']} at half time, {found['cov']} at the end; {'a failure' if run.returncode else 'no failure'}",
+        flush=True,
+    )
+    if run.returncode:
+        print("".join(tail))
+    return run.returncode
 
 
 def _readers() -> Mapping[str, Callable[[bytes], None]]:
