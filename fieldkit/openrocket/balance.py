@@ -122,10 +122,10 @@ def _planform(part: "Element") -> tuple[Array, Array, float]:
     root, span = number(part, "rootchord"), number(part, "height")
     along = (np.arange(STRIPS) + 0.5) / STRIPS
     if part.tag == "trapezoidfinset":
-        chord = root + (number(part, "tipchord") - root) * along
+        chord = np.maximum(root + (number(part, "tipchord") - root) * along, 0.0)
         return number(part, "sweeplength") * along, chord, span
     if part.tag == "ellipticalfinset":
-        chord = root * np.sqrt(1 - along**2)
+        chord = max(root, 0.0) * np.sqrt(1 - along**2)
         return (root - chord) / 2, chord, span
     points = np.array(fin_points(part))
     if len(points) < 3 or points[:, 1].max() <= 0:

@@ -44,6 +44,9 @@ COMPARE = (
     f"compare mass, length and margin with what it shows; with a wrong mass apogees are off either way, {PER_MASS}"
 )
 """What to do about a reader that was tried on no file of its program."""
+LEAST_NUMBER, MOST_NUMBER = 1e-9, 1e9
+"""No size, density, pressure or angle of a rocket is outside, in the units of any of the programs; products of a few
+numbers between them never overflow. [1]"""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
@@ -58,19 +61,22 @@ class Size:
 
 
 def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
-    """A number of a part in SI, the one after `auto` if the file includes one; `otherwise` if it is missing or not a
-    finite number."""
+    """A number of a part in SI, the one after `auto` if the file includes one; `otherwise` if it is missing, not a
+    number, or absurdly large."""
     text = (part.findtext(name) or "").split()
-    return _finite(text[-1], otherwise) if text else otherwise
+    return usable_number(text[-1], otherwise) if text else otherwise
 
 
-def _finite(text: str, otherwise: float = 0.0) -> float:
-    """The number in a text, which may have a decimal comma; `otherwise` if it is not a finite number."""
+def usable_number(text: str, otherwise: float = 0.0) -> float:
+    """The number in a text, which may have a decimal comma; 0 if it is absurdly small, `otherwise` if it is absurdly
+    large or not a number. [any unit]"""
     try:
         value = float(text.replace(",", ".") if text.count(",") == 1 and "." not in text else text)
     except ValueError:
         return otherwise
-    return value if math.isfinite(value) else otherwise
+    if abs(value) < LEAST_NUMBER:
+        return 0.0
+    return value if abs(value) <= MOST_NUMBER else otherwise
 
 
 SIZES = {
@@ -212,7 +218,7 @@ def own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
 def _density(part: "Element", name: str) -> float:
     """Density of a material of a part, in the unit of its kind; 0 if it is missing."""
     material = part.find(name)
-    return _finite(material.get("density", "0")) if material is not None else 0.0
+    return usable_number(material.get("density", "0")) if material is not None else 0.0
 
 
 def _instances(part: "Element") -> float:
@@ -316,7 +322,7 @@ def _planform(part: "Element") -> float:
 
 def fin_points(part: "Element") -> list[tuple[float, float]]:
     """The outline of a freeform fin: along the body from the front of its root, and outward. [m]"""
-    return [(_finite(p.get("x", "0")), _finite(p.get("y", "0"))) for p in part.iterfind("finpoints/point")]
+    return [(usable_number(p.get("x", "0")), usable_number(p.get("y", "0"))) for p in part.iterfind("finpoints/point")]
 
 
 def _parachute(part: "Element") -> float:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fieldkit.openrocket.parts import airframe, everything, number, sizes
+from fieldkit.openrocket.parts import airframe, everything, number, sizes, usable_number
 from fieldkit.safe_text import printable, whole_number
 from fieldkit.shapes import Array, Float
 
@@ -106,8 +106,8 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
         _dry_mass(values),
         cd,
         reference,
-        None if upset else _moment(data.get("maxaltitude", "")),
-        None if upset else _moment(data.get("maxvelocity", "")),
+        None if upset else _finite(data.get("maxaltitude", "")),
+        None if upset else _finite(data.get("maxvelocity", "")),
         cd is None or _consistent(values, coast, cd, reference),
         cg,
         cp,
@@ -222,34 +222,25 @@ def _consistent(
     speed = values.get("total velocity")
     if force is None or density is None or speed is None or reference <= 0:
         return True
-    by_force = 2 * force[coast] / (density[coast] * speed[coast] ** 2 * np.pi / 4 * reference**2)
+    divisor = density[coast] * speed[coast] ** 2 * np.pi / 4 * reference**2
+    by_force = 2 * force[coast] / np.where(divisor > 0, divisor, np.nan)
     found = float(np.nanmedian(by_force)) if np.isfinite(by_force).any() else cd
     return abs(found / cd - 1) <= CD_TOLERANCE if cd else True
 
 
 def _moments(branch: "Element", kind: str) -> list[float]:
     """Times of the events of a kind. [s]"""
-    moments = [_moment(one.get("time", "")) for one in branch.iterfind("event") if one.get("type") == kind]
+    moments = [_finite(one.get("time", "")) for one in branch.iterfind("event") if one.get("type") == kind]
     return [moment for moment in moments if moment is not None]
 
 
-def _moment(text: str) -> float | None:
-    """The finite number in a text, None if it is not one."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+def _finite(text: str) -> float | None:
+    """The number in a text, None if it is not a usable one."""
+    value = usable_number(text, math.nan)
+    return None if math.isnan(value) else value
 
 
 def _row(text: str, places: list[int]) -> list[float]:
     """The numbers at these indices of a sample; text that is not a number becomes nan."""
     cells = text.split(",", MOST_COLUMNS)
-    return [_float(cells[place]) if place < len(cells) else math.nan for place in places]
-
-
-def _float(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return math.nan
+    return [usable_number(cells[place], math.nan) if place < len(cells) else math.nan for place in places]

@@ -1,6 +1,7 @@
 """One rocket as three programs save it: designs of RockSim and RASAero have the mass and balance of OpenRocket's."""
 
 import math
+import re
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
@@ -16,6 +17,8 @@ from fieldkit.openrocket import Design, read_design
 from fieldkit.physics.single import field_flight
 from fieldkit.units import FOOT, INCH, POUND
 from tests.commands import Run
+from tests.openrocket.designs import design as simulated
+from tests.openrocket.designs import examples
 
 pytestmark = pytest.mark.fast
 
@@ -264,3 +267,32 @@ def test_no_element_of_a_design_is_needed_for_an_answer_or_a_clear_line(content:
             design = read_design(ElementTree.tostring(root), "a")
             figures = (design.dry_mass, design.diameter, design.length, design.cd)
             assert all(one is None or (math.isfinite(one) and one > 0) for one in figures), gone.tag
+
+
+NUMBER = re.compile(rb"(?<=[>\",|])-?\d+\.?\d*(?=[<\",|])")
+"""A number in a design: an element, an attribute, or one of several."""
+EXTREMES = [b"1e308", b"-1e308", b"1e-300", b"-1e-300", b"1e154", b"-1", b"0"]
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("number", EXTREMES)
+@pytest.mark.parametrize("program", ["OpenRocket", "RockSim", "RASAero", "a stored simulation"])
+def test_whatever_a_number_of_a_design_is_its_figures_are_finite(program: str, number: bytes) -> None:
+    """Any one number, and all of them, as in a damaged file; warnings are errors."""
+    content = {
+        "OpenRocket": openrocket(),
+        "RockSim": rocksim(),
+        "RASAero": rasaero(0.2, 0.3, apogee=150.0),
+        "a stored simulation": simulated(*examples()[0], dry_mass=0.1),
+    }[program]
+    places = list(NUMBER.finditer(content))
+    for place in [None, *places[:: 1 + len(places) // 100]]:
+        changed = NUMBER.sub(number, content)
+        if place is not None:
+            changed = content[: place.start()] + number + content[place.end() :]
+        with suppress(DamagedLog):
+            design = read_design(changed, "a")
+            motor = catalogue().resolve("AeroTech F24W").motor
+            figures = (design.dry_mass, design.diameter, design.length, design.cd, design.margin(motor))
+            assert all(one is None or math.isfinite(one) for one in figures), place
+            assert not any(word in note for note in design.notes for word in ("nan", "inf ")), design.notes
