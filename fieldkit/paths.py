@@ -50,6 +50,8 @@ def ledger_trouble(file: Path) -> str:
     It would wait forever for a pipe that has the name of its journal, roll back the journal that a link leads to, and
     cannot attach a file whose name is not text.
     """
+    if not file.name:
+        return "found a folder, expected a file"
     try:
         str(file).encode()
         file.resolve()

@@ -10,7 +10,7 @@ from sqlalchemy import ColumnElement, Connection, Select, func, select, tuple_
 
 from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights
-from fieldkit.ledger.rows import Row, flight_of
+from fieldkit.ledger.rows import Row, flight_of, known_names
 from fieldkit.ledger.tables import IS_EDITED, MAX_ROWS_BY_NAME, flights, tags
 from fieldkit.safe_text import whole_number
 
@@ -135,10 +135,10 @@ def _stored(row: Row) -> StoredFlight:
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
-    """The distinct values of one text field in the flights, most recent first."""
+    """The distinct values of one text field in the flights, most recent first. Raises DamagedRow."""
     column = flights.c[field]
     query = select(column).where(column != "").group_by(column).order_by(func.max(flights.c.entry).desc())
-    return list(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
+    return known_names(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
 
 
 def latest(connection: Connection, rocket: str | None, config: str | None) -> Flight | None:
@@ -150,7 +150,7 @@ def latest(connection: Connection, rocket: str | None, config: str | None) -> Fl
 
 
 def next_flight_id(connection: Connection, rocket: str) -> str:
-    """One more than the highest number among a rocket's flight ids."""
-    taken = set(connection.scalars(select(flights.c.flight_id).where(flights.c.rocket == rocket)))
+    """One more than the highest number among a rocket's flight ids. Raises DamagedRow."""
+    taken = set(known_names(connection.scalars(select(flights.c.flight_id).where(flights.c.rocket == rocket))))
     last = max((number for one in taken if (number := whole_number(one)) is not None), default=0)
     return next(id for id in map(str, count(last + 1)) if id not in taken)

@@ -7,7 +7,7 @@ from sqlalchemy import Connection, or_, select, tuple_
 
 from fieldkit.errors import LedgerError, nearest
 from fieldkit.ledger.finding import Identity, StoredFlight, find, latest
-from fieldkit.ledger.rows import DamagedRow
+from fieldkit.ledger.rows import known_names
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 from fieldkit.quantities import counted
 
@@ -54,8 +54,7 @@ def _identities_meant(connection: Connection, texts: Collection[str]) -> Iterato
         pair = tuple_(flights.c.rocket, flights.c.flight_id)
         query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
     for rocket, flight_id in connection.execute(query):
-        if not (isinstance(rocket, str) and isinstance(flight_id, str)):
-            raise DamagedRow(f"flight {flight_id!r} of {rocket!r} has no name")
+        rocket, flight_id = known_names([rocket, flight_id])
         yield rocket, flight_id
 
 
@@ -93,7 +92,11 @@ def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: 
 
 def _by_beginning(connection: Connection, id: str) -> Identity:
     """The only flight whose id begins so. Raises LedgerError that suggests similar ids, or lists those that do."""
-    everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
+    everything = [
+        (rocket, flight_id)
+        for names in connection.execute(select(flights.c.rocket, flights.c.flight_id))
+        for rocket, flight_id in [known_names(names)]
+    ]
     named = {name: identity for identity, name in ids(connection, everything).items()}
     matches = sorted(name for name in named if name.startswith(id)) if len(id) >= MIN_BEGINNING else []
     if len(matches) == 1:

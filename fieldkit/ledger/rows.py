@@ -1,7 +1,7 @@
 """Convert flights to rows and back; no other package sees a row."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import date, datetime
 from types import MappingProxyType
 from typing import Any
@@ -17,6 +17,15 @@ Row = dict[str, Any]
 
 class DamagedRow(ValueError):
     """A row that fieldkit did not write: the file was changed or damaged."""
+
+
+def known_names(names: Iterable[Any]) -> list[str]:
+    """The names that a query selects without their rows. Raises DamagedRow if one is not text."""
+    found = list(names)
+    for name in found:
+        if not isinstance(name, str):
+            raise DamagedRow(f"found the name {str(name)[:40]!r}, expected text")
+    return found
 
 
 READOUT_COLUMNS: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})

@@ -17,6 +17,15 @@ from fieldkit.ledger.whereabouts import name_of
 MIGRATIONS = Path(__file__).parent / "migrations"
 STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
 """Every version of the schema that this program knows, oldest first."""
+_FOREIGN = """
+SELECT type AS kind, name FROM sqlite_master WHERE type IN ('view', 'trigger')
+UNION ALL SELECT 'virtual table', name FROM sqlite_master WHERE type = 'table' AND sql LIKE 'CREATE VIRTUAL%'
+UNION ALL SELECT 'computed column', c.name FROM sqlite_master AS m, pragma_table_xinfo(m.name) AS c
+    WHERE m.type = 'table' AND m.sql NOT LIKE 'CREATE VIRTUAL%' AND c.hidden > 0
+UNION ALL SELECT 'index of an expression', m.name FROM sqlite_master AS m, pragma_index_xinfo(m.name) AS c
+    WHERE m.type = 'index' AND c.cid = -2
+"""
+"""What no fieldkit creates, cheapest first."""
 
 
 def version(connection: Connection) -> str | None:
@@ -46,17 +55,15 @@ def version(connection: Connection) -> str | None:
 
 
 def check_objects(connection: Connection) -> None:
-    """Raise LedgerError for a SQLite ledger with a view, a trigger or a virtual table: no fieldkit made it, and each of
-    them would run what its maker wrote."""
+    """Raise LedgerError for a SQLite ledger with a view, a trigger, a virtual table, a column that is computed, or an
+    index of what is: no fieldkit made it, and each of them would run what its maker wrote."""
     if connection.dialect.name != "sqlite":
         return
-    foreign = "type IN ('view', 'trigger') OR (type = 'table' AND sql LIKE 'CREATE VIRTUAL%')"
-    found = connection.execute(text(f"SELECT type, name FROM sqlite_master WHERE {foreign} LIMIT 1")).first()
+    found = connection.execute(text(f"{_FOREIGN} LIMIT 1")).first()
     if found is not None:
-        kind = "virtual table" if found.type == "table" else found.type
         raise LedgerError(
-            f"{name_of(connection.engine.url)}: found the {kind} {shortened(found.name)} in it, which no ledger has; "
-            "import its flights from an export instead"
+            f"{name_of(connection.engine.url)}: found the {found.kind} {shortened(str(found.name))} in it, which no "
+            "ledger has; import its flights from an export instead"
         )
 
 

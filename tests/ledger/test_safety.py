@@ -550,6 +550,7 @@ def test_a_path_that_sqlite_must_not_open_is_refused_at_once(
     (tmp_path / "link.db-wal").symlink_to(good)
     for file, found in (
         (loop, "a loop of links"),
+        ("/", "found a folder, expected a file"),
         (piped, "piped.db-journal"),
         (linked, "piped.db-journal"),
         (f"sqlite:///file:{piped}?uri=true", "piped.db-journal"),
@@ -570,6 +571,9 @@ def test_a_path_that_sqlite_must_not_open_is_refused_at_once(
         ("CREATE TRIGGER t AFTER INSERT ON tags BEGIN DELETE FROM flights; END", "found the trigger t in it"),
         ("CREATE VIEW v AS SELECT randomblob(1000000000)", "found the view v in it"),
         ("CREATE VIRTUAL TABLE f USING fts5(a)", "found the virtual table f in it"),
+        ("ALTER TABLE flights ADD COLUMN g AS (abs(apogee)) VIRTUAL", "found the computed column g in it"),
+        ("ALTER TABLE tags ADD COLUMN g AS (abs(entry)) VIRTUAL", "found the computed column g in it"),
+        ("CREATE INDEX i ON flights(abs(apogee))", "found the index of an expression i in it"),
         ("INSERT INTO alembic_version VALUES ('m001_flights')", "found two versions of its tables"),
     ],
 )
@@ -584,6 +588,25 @@ def test_a_ledger_of_foreign_make_is_refused(statement: str, found: str, tmp_pat
         raw.commit()
     with pytest.raises(LedgerError, match=found):
         Ledger.open(file)
+
+
+@pytest.mark.parametrize("column", ["rocket", "flight_id", "config", "motor", "site"])
+@pytest.mark.parametrize("value", ["x'ff'", "x'41'"])
+def test_a_name_that_is_no_text_is_a_line_of_every_command(
+    column: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+    with closing(sqlite3.connect(file)) as raw:
+        raw.execute(f"UPDATE flights SET {column} = {value}")
+        raw.commit()
+    plan = ["--rocket", FIRST.rocket, "--motor", "F24-4W", "--quick"]
+    for command in (["flights"], ["show", "1"], ["show", "x"], ["loop", *plan[:2], "--quick"], ["predict", *plan]):
+        assert main(["--ledger", str(file), *command]) == 1
+        message = capsys.readouterr().err
+        assert "the file is damaged" in message or "no flight" in message
+        assert message.count("\n") == 1
 
 
 def test_backups_that_do_not_exist_are_named_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
