@@ -18,17 +18,26 @@ _MIN_POINTS, _LOOKED_AT = 10, 65_536
 """Fewest points that form a table [1], and size of the beginning that shows the format [bytes]."""
 _HEADER = b"time,latitude [deg],longitude [deg],gps altitude [m]"
 _IGC_HEADER = _HEADER + b",altitude above sea level [m]"
+_NUMBER, _MOMENT = rb"\s?([^<>\"',\s]{1,30})\s?", rb"\s?([^<>\"',\s]{8,40})\s?"
+"""A number or a time, loosely: the reader of the table refuses others with their row."""
 _POINT, _END, _LONGEST_POINT = b"<trkpt", b"</trkpt>", 2300
 """What a point begins and ends with, and the longest one. [bytes]"""
-_ATTRIBUTE = {name: re.compile(rb"\b" + name + rb"\s?=\s?[\"'](-?[\d.]{1,20})[\"']") for name in (b"lat", b"lon")}
-_HEIGHT, _TIME = re.compile(rb"<ele>\s?(-?[\d.]{1,20})\s?</ele>"), re.compile(rb"<time>\s?([\dT:.Z+-]{8,40})\s?</time>")
+_ATTRIBUTE = {name: re.compile(rb"\b" + name + rb"\s?=\s?[\"']" + _NUMBER + rb"[\"']") for name in (b"lat", b"lon")}
+_HEIGHT, _TIME = re.compile(rb"<ele>" + _NUMBER + rb"</ele>"), re.compile(rb"<time>" + _MOMENT + rb"</time>")
 _TCX_POINT = re.compile(
-    rb"<Trackpoint>\s*<Time>([\dT:.Z+-]{8,40})</Time>\s*<Position>\s*<LatitudeDegrees>(-?[\d.]{1,20})</LatitudeDegrees>"
-    rb"\s*<LongitudeDegrees>(-?[\d.]{1,20})</LongitudeDegrees>\s*</Position>\s*"
-    rb"<AltitudeMeters>(-?[\d.]{1,20})</AltitudeMeters>"
+    rb"<Trackpoint>\s*<Time>"
+    + _MOMENT
+    + rb"</Time>\s*<Position>\s*<LatitudeDegrees>"
+    + _NUMBER
+    + rb"</LatitudeDegrees>\s*<LongitudeDegrees>"
+    + _NUMBER
+    + rb"</LongitudeDegrees>\s*</Position>\s*"
+    + rb"<AltitudeMeters>"
+    + _NUMBER
+    + rb"</AltitudeMeters>"
 )
-_WHEN = re.compile(rb"<when>\s?([\dT:.Z+-]{8,40})\s?</when>")
-_PLACE = re.compile(rb"<gx:coord>\s?(-?[\d.]{1,20}) (-?[\d.]{1,20}) (-?[\d.]{1,20})\s?</gx:coord>")
+_WHEN, _PLACE = re.compile(rb"<when>([^<>]{0,60})</when>"), re.compile(rb"<gx:coord>([^<>]{0,120})</gx:coord>")
+"""The times and the places of a KML track, which belong together by their order."""
 _FIX = re.compile(rb"B(\d\d)(\d\d)(\d\d)(\d\d)(\d{5})([NS])(\d{3})(\d{5})([EW])[AV](-\d{4}|\d{5})(-\d{4}|\d{5})")
 
 
@@ -42,10 +51,7 @@ def track_table(log: bytes) -> bytes | None:
     elif b"<TrainingCenterDatabase" in start:
         rows = [b",".join(point.groups()) for point in _TCX_POINT.finditer(log)]
     elif b"<gx:coord>" in log and b"<when>" in log:
-        rows = [
-            b",".join((time, place[2], place[1], place[3]))
-            for time, place in zip(_WHEN.findall(log), _PLACE.finditer(log), strict=False)
-        ]
+        rows = list(_of_kml(log))
     elif any(_FIX.match(line) for line in start.split(b"\n")):
         rows, header = list(_of_igc(log)), _IGC_HEADER
     else:
@@ -70,6 +76,14 @@ def _of_gpx(log: bytes) -> Iterator[bytes]:
         cells = [match[1] for match in found if match]
         if len(cells) == len(found):
             yield b",".join(cells)
+
+
+def _of_kml(log: bytes) -> Iterator[bytes]:
+    """The points of a KML track that have a time and a place, as cells."""
+    for when, place in zip(_WHEN.findall(log), _PLACE.findall(log), strict=False):
+        cells = [*when.split(), *place.split()]
+        if len(cells) == 4 and not any(mark in cell for cell in cells for mark in (b'"', b",")):
+            yield b",".join((cells[0], cells[2], cells[1], cells[3]))
 
 
 def _of_igc(log: bytes) -> Iterator[bytes]:

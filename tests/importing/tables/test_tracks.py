@@ -46,3 +46,15 @@ def test_a_line_of_a_map_without_times_is_not_a_log() -> None:
     rows = "".join(f"7.0,45.0,{height:.1f}\n" for height in HEIGHTS)
     with pytest.raises(UnknownFormat, match="it is XML, such as a track for maps"):
         read(f'<?xml version="1.0"?>\n<kml><coordinates>\n{rows}</coordinates></kml>'.encode(), "t.kml", any_motor)
+
+
+@pytest.mark.parametrize("wrong", ["1e308", "nan", "4o5", "999999999"])
+@pytest.mark.parametrize("track", [gpx(), kml()], ids=["GPX", "KML"])
+def test_a_point_with_a_wrong_height_costs_that_point(track: str, wrong: str) -> None:
+    """The other points keep their own times; what is no number is refused with its row."""
+    height = f"{HEIGHTS[30]:.1f}"
+    where = track.rindex(height) if track.count(height) == 1 else track.index(height, track.index(CLOCKS[29]))
+    imported = read((track[:where] + wrong + track[where + len(height) :]).encode(), "track", any_motor)
+    rejected = [(32, True)] if wrong in ("1e308", "4o5") else []
+    assert [(one.row, repr(wrong) in one.error) for one in imported.rejected] == rejected
+    assert imported.flights[0].apogee == pytest.approx(MADE.apogee, abs=5.0)
