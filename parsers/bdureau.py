@@ -17,7 +17,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Note, Parsed, Parser, Reading
+from fieldkit.importing import MOST_FLIGHTS, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.damage import Damaged
 from fieldkit.importing.tables.text import narrow, shown
 from fieldkit.quantities import counted
@@ -28,8 +28,8 @@ WRAP = 65_536.0
 """Period of numbers printed in 16 bits. [1]"""
 GROUND = (60_000.0, 110_000.0)
 """Range of pressures at launch sites. [Pa]"""
-MAX_SAMPLES, MOST_FLIGHTS = 100_000, 100
-"""More samples, and more flights, than any of these altimeters can store. [1]"""
+MAX_SAMPLES = 100_000
+"""More samples than any of these altimeters can store. [1]"""
 WIDTH = 12
 """Largest number of values read from a sample. [1]"""
 _SENTENCE = re.compile(rb"\$([A-Za-z]{1,20}(?:,[^$;\r\n]{0,400})?);")

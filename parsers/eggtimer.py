@@ -17,7 +17,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Note, Parsed, Parser, Reading
+from fieldkit.importing import MOST_FLIGHTS, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.header import Header, find_header, header_in
@@ -44,8 +44,8 @@ MAX_TOP_OFFSET = 0.4
 """Largest time from the fitted to the measured top: early parachute deployment truncates a flight. [s]"""
 SLOW_STEP = 2.0
 """A clock step above this is in ms, because no Eggtimer has a step this long in s. [1]"""
-MOST_LABELS, MOST_FLIGHTS = 60, 64
-"""Largest number of labels above a table, and of tables in a text. [1]"""
+MOST_LABELS = 60
+"""Largest number of labels above a table. [1]"""
 _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]{0,60}?)\s*$")
 
 
@@ -77,7 +77,7 @@ class _TextTable:
 def read(log: bytes) -> list[Parsed]:
     log = narrow(log)
     found: list[Parsed] = []
-    parts = list(islice(_parts(log), MOST_FLIGHTS))
+    parts = list(islice(_parts(log), MOST_FLIGHTS + 1))
     if not parts:
         raise DamagedLog("found no header, expected T,Alt,...")
     troubles: list[DamagedLog] = []

@@ -20,7 +20,7 @@ import numpy as np
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
 from fieldkit.flight.limits import check
-from fieldkit.importing import Note, Parsed, Parser, Reading
+from fieldkit.importing import MOST_FLIGHTS, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.checksums import crc_x25
 from fieldkit.importing.tables.text import narrow
 from fieldkit.physics.standard_atmosphere import pressure_height
@@ -34,8 +34,6 @@ LINE, AT_REST = 16, 20.0
 """Size of a line of a transmission [bytes], and the largest change of pressure in a line on the ground [Pa]."""
 MAX_LOG_SIZE = 4 << 20
 """Largest file size: more than the digits and separators of a day of flight. [bytes]"""
-MOST_FLIGHTS = 100
-"""Largest number of transmissions that are read from a file. [1]"""
 MIN_GROUND_PRESSURE, MAX_GROUND_PRESSURE = 10_000, 120_000
 """Range of the pressure on the ground. [Pa]"""
 
@@ -58,7 +56,7 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Parsed]:
     log, found = _plain(log), list[Parsed]()
-    for start, digits in islice(_transmissions(log), MOST_FLIGHTS):
+    for start, digits in islice(_transmissions(log), MOST_FLIGHTS + 1):
         found += _flight(digits, log.count(b"\n", 0, start) + 1)
     if not any(isinstance(item, Reading | Note) for item in found):
         raise found[0] if found else DamagedLog("found no flight, expected MP and hex digits", row=1)  # type: ignore[misc]

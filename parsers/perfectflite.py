@@ -18,7 +18,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.limits import check
-from fieldkit.importing import Note, Parsed, Parser, Reading
+from fieldkit.importing import MOST_FLIGHTS, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.text import first_lines, shown
@@ -26,8 +26,6 @@ from fieldkit.quantities import counted
 
 MOST_ABOVE = 5
 """Number of lines among which the one with the device's name must be, after blank lines or a title. [1]"""
-MOST_FLIGHTS = 100
-"""Largest number of flights in one file, if somebody put several together. [1]"""
 NEXT_FLIGHT = re.compile(rb"^[\" ]{0,9}PerfectFlite [A-Za-z]", re.MULTILINE)
 MOST_HEADER = 100
 """Number of lines that are searched for the column names. [1]"""
@@ -62,7 +60,7 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Parsed]:
-    starts = [0, *(match.start() for match in islice(NEXT_FLIGHT.finditer(log), 1, MOST_FLIGHTS)), len(log)]
+    starts = [0, *(match.start() for match in islice(NEXT_FLIGHT.finditer(log), 1, MOST_FLIGHTS + 1)), len(log)]
     found: list[Parsed] = []
     for start, end in pairwise(starts):
         above = log.count(b"\n", 0, start)

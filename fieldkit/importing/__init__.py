@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fieldkit.importing.reading import (
         HEAD,
+        MOST_FLIGHTS,
         ColumnChoice,
         ImportedFile,
         Mapped,
@@ -21,7 +22,18 @@ if TYPE_CHECKING:
         Rejected,
     )
 
-__all__ = ["HEAD", "ColumnChoice", "ImportedFile", "Mapped", "Note", "Parsed", "Parser", "Reading", "Rejected"]
+__all__ = [
+    "HEAD",
+    "MOST_FLIGHTS",
+    "ColumnChoice",
+    "ImportedFile",
+    "Mapped",
+    "Note",
+    "Parsed",
+    "Parser",
+    "Reading",
+    "Rejected",
+]
 
 
 def __getattr__(name: str) -> Any:

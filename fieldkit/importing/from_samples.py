@@ -20,13 +20,14 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import MEASURED, READOUTS
 from fieldkit.importing.companion_files import KINDS
 from fieldkit.importing.height_units import with_proven_heights
-from fieldkit.importing.reading import Note, Parsed, Reading
+from fieldkit.importing.reading import MOST_FLIGHTS, Note, Parsed, Reading
 from fieldkit.messages import marked, message
 from fieldkit.quantities import counted
 
 
 def with_figures(found: Sequence[Parsed], format: str, digest: str) -> Sequence[Parsed]:
-    """What was found in a log, with the readouts of each flight measured from its samples."""
+    """What was found in a log, with the readouts of each flight measured from its samples; a DamagedLog in place of the
+    flights after the first `MOST_FLIGHTS`."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     results: list[Parsed] = []
     for item in found:
@@ -35,7 +36,12 @@ def with_figures(found: Sequence[Parsed], format: str, digest: str) -> Sequence[
         elif not isinstance(item, Reading) or item.describes != "flight":
             results.append(item)
         elif item.clocks:
-            results += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
+            part = with_samples.index(id(item)) + 1
+            if part <= MOST_FLIGHTS:
+                results += _recorded(item, format, digest[:10], part, len(with_samples))
+            elif part == MOST_FLIGHTS + 1:
+                more = f"found more than {MOST_FLIGHTS} flights in a log, read the first ones; split it"
+                results.append(DamagedLog(more, row=item.row))
         else:
             results.append(_stated(item, format) if item.part else item)
     return results

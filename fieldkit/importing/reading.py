@@ -15,6 +15,9 @@ NO_EVENTS: Mapping[str, float] = {}
 """The same for all readings, as a table may have 100,000."""
 HEAD = 65_536
 """Size of the beginning of a log that parsers use to recognize it. [bytes]"""
+MOST_FLIGHTS = 100
+"""Largest number of flights with samples that are read from one log: measuring one takes 0.2 s. A parser may return
+more. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,11 @@
 """Select the parser for a log: the one that recognizes it, or the one that the user chose."""
 
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
+from fieldkit import zips
 from fieldkit.analysis import rises
 from fieldkit.errors import DamagedLog, UnknownFormat, unknown
 from fieldkit.flight import BY_NAME, READOUTS
@@ -134,7 +136,7 @@ def _kind_of(log: bytes, choices: Sequence[ColumnChoice]) -> str:
 def _hint(log: bytes) -> str:
     """Advice about a log that no parser recognizes, if there is any."""
     if log.startswith(b"PK\x03\x04"):
-        return "; it is an archive; unpack it first"
+        return f"; it is an archive{_archive_advice(log)}"
     if log.startswith(_OLD_WORKBOOK):
         return "; it is a workbook of an old Excel (.xls); save it as .xlsx or CSV"
     start = log[:HEAD]
@@ -151,6 +153,15 @@ def _hint(log: bytes) -> str:
         flights = f"one of flights with --map 'motor={motor}' --map 'apogee={height} [m]'"
         return f"; {samples}, {flights}" + ", by the numbers of its columns" * (time == "#1")
     return ""
+
+
+def _archive_advice(log: bytes) -> str:
+    """What to do about an archive that is no spreadsheet."""
+    try:
+        with zips.opened(log):
+            return "; unpack it first"
+    except (zipfile.BadZipFile, OSError, ValueError, RuntimeError, NotImplementedError) as error:
+        return f" that cannot be opened ({error}); download or save it again"
 
 
 def _is_without_names(head: bytes) -> bool:

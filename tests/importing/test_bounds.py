@@ -19,12 +19,15 @@ import pytest
 from fieldkit import zips
 from fieldkit.cli.main import main
 from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.importing import MOST_FLIGHTS, Reading, from_samples
 from fieldkit.importing.read import read
+from fieldkit.importing.recognize import parsers
 from fieldkit.motors import draft, own
 from fieldkit.openrocket import archive, read_design, stored
 from fieldkit.openrocket import design as designs
 from fieldkit.settings import Settings, read_settings
 from tests.openrocket.test_design import design
+from tests.samples import any_motor
 
 CHECK_SHAPES = False
 ROOT = Path(__file__).parents[2]
@@ -278,3 +281,34 @@ def test_a_text_too_large_to_convert_is_refused_with_the_limit() -> None:
     text = LABELED + b"t=1 alt=2\n" * (3 << 20) + b"t=1 alt=2\n" * (1 << 18)
     with pytest.raises(FieldkitError, match="more than 32 MB are not read"):
         read(text, "x.txt", lambda name: None)
+
+
+def test_the_flights_of_a_log_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is measured, which takes a fifth of a second: the first ones are read, and the log is named as too long."""
+    sample = (ROOT / "sample_logs" / "altos_eeprom__easymini.eeprom").read_bytes()
+    log = sample + sample.partition(b"}")[2] * 5
+    assert len(read(log, "many.eeprom", any_motor).flights) == 6
+    monkeypatch.setattr(from_samples, "MOST_FLIGHTS", 3)
+    imported = read(log, "many.eeprom", any_motor)
+    assert len(imported.flights) == 3
+    assert [one.error for one in imported.rejected] == [
+        "found more than 3 flights in a log, read the first ones; split it"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"), [("perfectflite", "perfectflite__drogue_and_main.pf2"), ("eggtimer", "eggtimer__classic.csv")]
+)
+def test_no_parser_leaves_out_further_flights_in_silence(name: str, text: str) -> None:
+    """Of more flights than are read, a parser returns enough to be noticed."""
+    log = (ROOT / "sample_logs" / text).read_bytes()
+    found = parsers()[name].read(log * (MOST_FLIGHTS + 9))
+    assert sum(isinstance(one, Reading) for one in found) > MOST_FLIGHTS
+
+
+@pytest.mark.parametrize("size", [30, 400, 0.5, -30])
+def test_a_workbook_that_is_cut_off_is_called_damaged(size: float) -> None:
+    workbook = zipped("<workbook/>", names=9)
+    end = int(size * len(workbook)) if isinstance(size, float) else size
+    with pytest.raises(FieldkitError, match=r"is an archive that cannot be opened .*; download or save it again"):
+        read(workbook[:end], "book.xlsx", any_motor)

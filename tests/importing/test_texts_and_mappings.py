@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.importing.read import read
 from fieldkit.paths import HOME
 from tests.lived_in import move_in
-from tests.samples import SAMPLES, owner
+from tests.samples import SAMPLES, any_motor, owner
 
 CHECK_SHAPES = False
 
@@ -64,3 +65,25 @@ def test_texts_that_no_ledger_can_store_cost_their_row(tmp_path: Path, capsys: p
             assert first["row"] != second["row"]
         else:
             assert document["files"][0]["would_store"] == 1
+
+
+HEADER, GOOD = "flight_id,rocket,motor,dry_mass_g,diameter_mm,apogee_m", "F24-4W,310,54"
+
+
+def test_one_line_in_another_encoding_does_not_change_the_others() -> None:
+    """As after rows were copied between tables: a name in UTF-8 stays as it is beside one in the old code page."""
+    lines = [HEADER.encode(), f"1,Kön,{GOOD},200".encode(), f"2,Kön,{GOOD},201".encode("cp1252")]
+    imported = read(b"\n".join([*lines, f"3,Żuk,{GOOD},202".encode()]), "t.csv", any_motor)
+    assert [one.rocket for one in imported.flights] == ["Kön", "Kön", "Żuk"]
+    assert not imported.rejected
+
+
+@pytest.mark.parametrize("lost", ["\0", "\0" * 4])
+def test_a_part_lost_to_nuls_costs_its_row(lost: str) -> None:
+    rows = [f"{number},Lark,{GOOD},{200 + number}" for number in range(1, 20)]
+    rows[6] = rows[6].replace("Lark", f"La{lost}k")
+    imported = read("\n".join([HEADER, *rows, ""]).encode(), "t.csv", any_motor)
+    assert len(imported.flights) == 18
+    assert [(one.row, one.error) for one in imported.rejected] == [
+        (8, "found a NUL character, as where a part was lost, expected text")
+    ]

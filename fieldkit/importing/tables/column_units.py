@@ -10,10 +10,10 @@ from itertools import pairwise
 import numpy as np
 
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import MOST_FLIGHTS
 from fieldkit.importing.tables.clocks import restarts
 from fieldkit.importing.tables.column_choice import HEIGHTS, REQUIRED_CHANNELS, Pick, to_si
 from fieldkit.importing.tables.headings import QUANTITIES, barometric, heading, unit_named
-from fieldkit.importing.tables.table import MOST_FLIGHTS
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.importing.tables.cell import ABSENT_MARKS, MAX_CELL_VALUE, Channel
-from fieldkit.importing.tables.text import encodings
+from fieldkit.importing.tables.text import encoding_of
 from fieldkit.shapes import Array, Float
 
 LARGE_LOG = 4 << 20
@@ -31,7 +31,7 @@ def can_be_plain(
         and not words
         and not comment
         and all(channel.is_plain for channel in channels)
-        and encodings(log[:2])[0] == "utf-8"
+        and encoding_of(log[:2]) == "utf-8"
         and b"\n" in log[:BLOCK]
     )
 

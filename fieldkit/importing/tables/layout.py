@@ -15,7 +15,7 @@ from itertools import pairwise
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.cell import is_grouped
 from fieldkit.importing.tables.headings import channel, heading, unit_named
-from fieldkit.importing.tables.text import encodings
+from fieldkit.importing.tables.text import encoding_of
 from fieldkit.safe_text import whole_number
 from fieldkit.units import UNITS, is_unit, plain
 
@@ -116,11 +116,11 @@ def split(line: str, separator: str | None) -> list[str]:
 
 def layout_of(head: bytes) -> Layout:
     """The layout of the table at the beginning of a log. Raises DamagedLog if there is none."""
-    first, *others = encodings(head[:2])
+    encoding = encoding_of(head[:2])
     try:
-        text = codecs.getincrementaldecoder(first)().decode(head)
+        text = codecs.getincrementaldecoder(encoding)().decode(head)
     except UnicodeDecodeError:
-        text = head.decode(others[0] if others else first, "replace")
+        text = head.decode("cp1252" if encoding == "utf-8" else encoding, "replace")
     return table_in(text if "\n" in text else text.replace("\r", "\n"))
 
 
@@ -273,8 +273,7 @@ def runs_like_a_log(head: bytes) -> bool:
     clocks = [place for place, name in enumerate(layout.headers) if channel(heading(name)) == "time"]
     if not layout.named or not clocks:
         return False
-    text = next(iter(encodings(head[:2])))
-    lines = head.decode(text, "replace").splitlines()[layout.above : layout.above + _CLOCK_ROWS]
+    lines = head.decode(encoding_of(head[:2]), "replace").splitlines()[layout.above : layout.above + _CLOCK_ROWS]
     cells = [split(line, layout.separator) for line in lines if line.strip()][:-1]
     times = [row[clocks[0]].replace(layout.decimal, ".") for row in cells if len(row) > clocks[0]]
     plain = (re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?)\s*", cell) for cell in times)

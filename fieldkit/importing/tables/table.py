@@ -9,7 +9,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing.reading import Note, Parsed
+from fieldkit.importing.reading import MOST_FLIGHTS, Note, Parsed
 from fieldkit.importing.tables.clocks import credible, restarts
 from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.quantities import counted
@@ -18,8 +18,6 @@ from fieldkit.shapes import Array, Flags, Float, Int, Integers
 _UNIQUE, _LONGEST_STEP, _MIXED_STEPS = 0.99, 5.0, 0.2
 """Rows that were shuffled have this fraction of unique times, and no longer gap between them, in long steps of the log;
 if each was shuffled by itself, at least this fraction of steps runs backward. [1]"""
-MOST_FLIGHTS = 100
-"""Largest number of flights in one log. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,6 +9,7 @@ import codecs
 import csv
 import io
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from itertools import chain, islice, pairwise, zip_longest
 
 from fieldkit.errors import DamagedLog, nearest
@@ -32,6 +33,8 @@ MAX_REREAD = 20
 """How often on average the lines of a table may be read again after an unmatched quotation mark, which may seem to end
 only lines later: otherwise the time would grow with the square of the length. [1]"""
 
+MOST_NULS = 0.01
+"""Largest fraction of NULs in a text, in case some of it was lost. [1]"""
 MOST_WIDE = 32 << 20
 """Largest size of a UTF-16 log that has to be converted in one piece. [bytes]"""
 
@@ -54,32 +57,41 @@ def _too_large(found: str, most: str) -> DamagedLog:
 
 
 def decode(log: bytes) -> str:
-    """The text of a log: UTF-8, UTF-16, or cp1252 if it is neither.
+    """The text of a log: UTF-16 or UTF-8, each line that is not UTF-8 in cp1252.
 
-    NUL padding at the end is dropped, and so is a last character that was cut in two. Raises DamagedLog for bytes that
-    are not text.
+    NUL padding at the end is dropped, and so is a last character that was cut in two; a few NULs elsewhere remain.
+    Raises DamagedLog for bytes that are not text.
     """
     while log.startswith(codecs.BOM_UTF8):
         log = log[len(codecs.BOM_UTF8) :]
-    error = DamagedLog("found binary data, expected text")
-    for encoding in encodings(log[:2]):
-        try:
-            text = codecs.getincrementaldecoder(encoding)().decode(log).lstrip("\ufeff").rstrip("\0")
-        except UnicodeDecodeError:
-            continue
-        if "\0" not in text:
-            return text
-        error = DamagedLog("found binary data, expected text", row=text.count("\n", 0, text.index("\0")) + 1)
-    raise error
+    encoding = encoding_of(log[:2])
+    try:
+        text = codecs.getincrementaldecoder(encoding)().decode(log)
+    except UnicodeDecodeError as error:
+        if encoding != "utf-8":
+            raise DamagedLog("found binary data, expected text") from error
+        text = "\n".join(_line(line, row) for row, line in enumerate(log.split(b"\n"), start=1))
+    text = text.lstrip("\ufeff").rstrip("\0")
+    if text.count("\0") > len(text) * MOST_NULS:
+        raise DamagedLog("found binary data, expected text", row=text.count("\n", 0, text.index("\0")) + 1)
+    return text
 
 
-def encodings(start: bytes) -> tuple[str, ...]:
-    """The encodings to try, best first, based on the first two bytes."""
+def _line(line: bytes, row: int) -> str:
+    """A line in UTF-8, else in cp1252. Raises DamagedLog."""
+    for encoding in ("utf-8", "cp1252"):
+        with suppress(UnicodeDecodeError):
+            return line.decode(encoding)
+    raise DamagedLog("found binary data, expected text", row=row)
+
+
+def encoding_of(start: bytes) -> str:
+    """The encoding of a text, based on its first two bytes: UTF-16, otherwise UTF-8."""
     if start == codecs.BOM_UTF16_LE or (start[1:] == b"\0" and start[:1] != b"\0"):
-        return ("utf-16-le",)
+        return "utf-16-le"
     if start == codecs.BOM_UTF16_BE or (start[:1] == b"\0" and start[1:] != b"\0"):
-        return ("utf-16-be",)
-    return ("utf-8", "cp1252")
+        return "utf-16-be"
+    return "utf-8"
 
 
 _OTHER_ENCODINGS = ("cp932", "gb18030", "cp949", "big5", "cp1251", "cp1250", "cp1253", "mac_roman")
@@ -146,7 +158,7 @@ def narrow(log: bytes) -> bytes:
 
     Raises DamagedLog for a long one in UTF-16, or for bytes that are not text.
     """
-    if encodings(log[:2])[0] == "utf-8":
+    if encoding_of(log[:2]) == "utf-8":
         return log
     if len(log) > MOST_WIDE:
         raise DamagedLog(f"found {len(log) >> 20} MB of UTF-16, expected at most {MOST_WIDE >> 20}; save it as UTF-8")
@@ -157,7 +169,7 @@ def _texts(log: bytes) -> Iterator[str]:
     begin, size = 0, _size(log)
     while log.startswith(codecs.BOM_UTF8, begin):
         begin += len(codecs.BOM_UTF8)
-    decoder = codecs.getincrementaldecoder(encodings(log[begin : begin + 2])[0])("replace")
+    decoder = codecs.getincrementaldecoder(encoding_of(log[begin : begin + 2]))("replace")
     for start, end in pairwise([begin, *range(begin + BLOCK // 32, size, BLOCK), size]):
         yield decoder.decode(log[start:end])
 
@@ -169,23 +181,23 @@ def is_cut(log: bytes) -> bool:
 
 
 def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLog]]:
-    """The rows of a table with their numbers; a row with an unmatched quotation mark is a DamagedLog.
+    """The rows of a table with their numbers; a row with a NUL or an unmatched quotation mark is a DamagedLog.
 
-    That row ends at the end of its line, so that an unmatched quotation mark costs one row and not the rest of the
+    The latter ends at the end of its line, so that an unmatched quotation mark costs one row and not the rest of the
     table; if there are too many for that (`MAX_REREAD`), the last row is one for the rest of the table.
     Raises DamagedLog for too many lines.
     """
     check_count(max(map(text.count, "\n\r")))
     csv.field_size_limit(MAX_TABLE_SIZE)  # an exported ledger can be imported again, however long its notes are
     lines = list(io.StringIO(text, newline=""))
-    row, start, left = 0, 0, MAX_REREAD * len(lines)
+    row, start, left, damaged = 0, 0, MAX_REREAD * len(lines), "\0" in text
     while start < len(lines):
         reader = csv.reader(map(lines.__getitem__, range(start, len(lines))), delimiter=separator, strict=True)
         whole = 0
         try:
             for cells in reader:
                 row, whole = row + 1, reader.line_num
-                yield row, cells
+                yield row, _lost(row) if damaged and any("\0" in cell for cell in cells) else cells
             return
         except csv.Error as error:
             row, start, left = row + 1, start + whole + 1, left - (reader.line_num - whole)
@@ -199,6 +211,10 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             if "limit" in str(error):
                 found = f"found an endless cell, expected at most {MAX_TABLE_SIZE} characters"
             yield row, DamagedLog(found, row=row)
+
+
+def _lost(row: int) -> DamagedLog:
+    return DamagedLog("found a NUL character, as where a part was lost, expected text", row=row)
 
 
 _EMPTY_ABOVE = 3
