@@ -25,6 +25,8 @@ _LEAST_GPS = 2.0
 """Smallest error of a satellite apogee: the drift of one receiver's height within a minute. [m]"""
 _MAX_HEARD_GAP = 2.0
 """Longest gap between samples in which an apogee can still be located. [s]"""
+_MIN_BEFORE, _MAX_BEFORE = 0.02, 0.3
+"""How long before an event the samples end that show its height, at least and at most. [s]"""
 _REST, _MAX_REST_MOVEMENT = 10.0, 20.0
 """Length of the end of a log that is searched for a rest [s], and the largest movement of heights in a rest [m]."""
 
@@ -139,7 +141,8 @@ def _spread(values: Float[Array, "_"]) -> float:
 
 
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
-    """Height above the pad at an event, by a parabola through the samples of the second before it. [m]
+    """Height above the pad at an event, by a parabola through the samples of the second before it, up to its standard
+    deviation: the gas of a charge disturbs those after it. [m]
 
     The error of a lag that was removed from the heights moves them by that much of their slope, and that of static
     ports by a part of the dynamic pressure, in a fall as well.
@@ -149,8 +152,9 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
         slope = float(np.interp(moment.time, ascent.time, ascent.speed))
         spread = float(np.interp(moment.time, ascent.time, ascent.heights.std(axis=0)))
     else:
-        last = int(np.searchsorted(track.time, moment.time - 0.02))
-        first = min(int(np.searchsorted(track.time, moment.time - 1)), max(0, last - 6))
+        end = moment.time - float(np.clip(moment.sd, _MIN_BEFORE, _MAX_BEFORE))
+        last = int(np.searchsorted(track.time, end))
+        first = min(int(np.searchsorted(track.time, end - 1)), max(0, last - 6))
         when, where = track.time[first:last] - moment.time, track.height[first:last] - seen.pad
         if when.size < 3:
             return Figure(

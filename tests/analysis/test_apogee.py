@@ -46,3 +46,17 @@ def test_an_uncertain_lag_is_an_error_of_a_height_on_a_slope(moment: float) -> N
     seen = Outline(0.0, 1.0, 2.0, True, 0.0, 0.2, 300.0, height, False, 100.0)
     sds = [height_at(curve, replace(track, lag_sd=lag), seen, Event(moment, 0.02, "")).sd for lag in (0.0, 0.2)]
     assert sds[1] == pytest.approx(np.hypot(sds[0], 20 * 0.2), rel=0.02)
+
+
+def test_the_gas_of_a_charge_does_not_move_the_height_at_ejection() -> None:
+    """A charge at 7.85 s moves the heights after it by 30 m; ejection is found 0.15 s later, give or take 0.2 s."""
+    time = np.arange(0.0, 10.0, 0.05)
+    true = 300.0 - GRAVITY * time**2 / 2
+    height = true + 0.3 * np.random.default_rng(1).standard_normal(time.size) + 30.0 * ((time > 7.85) & (time < 8.1))
+    knots, flat = time[time < 5], np.zeros((2, 100))
+    curve = Ascent(knots, true[:100], flat[0], flat[0], true[:100] + flat, flat, flat, 0.3, 0.0, fused=True)
+    track = Heights(time, height, True, 0.3, "barometric altitude")
+    seen = Outline(0.0, 1.0, 2.0, True, 0.0, 0.2, 300.0, height, False, 100.0)
+    found = height_at(curve, track, seen, Event(8.0, 0.2, ""))
+    assert found.value == pytest.approx(300.0 - GRAVITY * 8.0**2 / 2, abs=3.0)
+    assert found.sd == pytest.approx(8 * GRAVITY * 0.2, rel=0.2)
