@@ -1,6 +1,7 @@
 """The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS REST LEDGER COLUMNS
 LINES` prints a line of JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors. It rests
-for REST seconds once its pages are ready, and again after the last key."""
+for REST seconds once its pages are ready, and again after the last key. Its environment is that of the command
+`fieldkit`."""
 
 import asyncio
 import json
@@ -58,6 +59,13 @@ def resident() -> float:
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
+def peak() -> float:
+    """Largest memory that this process ever had. [MB]"""
+    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    (found,) = (line for line in lines if line.startswith("VmHWM:"))
+    return int(found.split()[1]) * 1024 / 1e6
+
+
 async def ready(app: FieldkitApp) -> None:
     """Wait until the app has opened its pages behind the visible one and is idle."""
     while not app._readied or not all(worker.is_finished for worker in app.workers):
@@ -87,7 +95,7 @@ def report(done: int, errors: list[Exception], last: "deque[str]") -> None:
         sys.stderr.write("".join(traceback.format_exception(error)))
         sys.stderr.write(f"after {done:,} keys, the last of them {' '.join(last)}\n")
     if done % REPORTED == 0:
-        sys.stderr.write(f"{done:,} keys, {resident():.0f} MB\n")
+        sys.stderr.write(f"{done:,} keys, {resident():.0f} MB, at most {peak():.0f}\n")
     sys.stderr.flush()
 
 
@@ -98,13 +106,12 @@ async def pressed(seed: int, keys: int, pause: float, ledger: Path, size: tuple[
     async with app.run_test(size=size):
         await ready(app)
         await rested(pause)
-        start = most = resident()
+        start = resident()
         for done in range(1, keys + 1):
             key, before = rng.choice(KEYS), len(app.errors)
             last.append(key)
             app.post_message(Key(key, key if len(key) == 1 else None))
             await handled(app)
-            most = max(most, resident())
             report(done, app.errors[before:], last)
         for worker in app.workers:
             worker.cancel()
@@ -112,7 +119,7 @@ async def pressed(seed: int, keys: int, pause: float, ledger: Path, size: tuple[
         give_back()
         rest = resident()
     errors = [f"{type(error).__name__}: {error}" for error in app.errors]
-    return {"start": round(start), "most": round(most), "rest": round(rest), "errors": errors}
+    return {"start": round(start), "most": round(peak()), "rest": round(rest), "errors": errors}
 
 
 def _size(words: list[str]) -> tuple[int, int]:

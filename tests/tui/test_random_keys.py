@@ -15,8 +15,8 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read 
 SEEDS = (1, 2, 3)
 """Seeds that found bugs: 2 closed the palette twice, and listed a flight while it was removed."""
 MAX_MEMORY = 250
-"""Maximum memory after 10,000 keys. [MB] About 145 of it are used before the first key: Python, Textual, SQLAlchemy,
-numpy. The peak during the keys depends on the load of the machine."""
+"""Maximum memory during 10,000 keys. [MB] About 145 of it are used before the first key: Python, Textual, SQLAlchemy,
+numpy. The peak, a search on the Loop page, depends a little on the load of the machine."""
 
 
 SIZES = ((80, 24), (120, 36), (40, 15))
@@ -36,7 +36,11 @@ def pressed(seed: int, keys: int, rest: float, folder: Path, size: tuple[int, in
         str(folder / "ledger.db"),
         *map(str, size),
     ]
-    environment = os.environ | {"FIELDKIT_HOME": str(folder / "home"), "PYTHONPATH": str(ROOT)}
+    environment = os.environ | {
+        "FIELDKIT_HOME": str(folder / "home"),
+        "PYTHONPATH": str(ROOT),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
     ended = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     found: dict[str, object] = json.loads(ended.stdout.splitlines()[-1])
     return found
@@ -53,4 +57,4 @@ def test_some_random_keys_cause_no_error(size: tuple[int, int], tmp_path: Path) 
 def test_random_keys_cause_no_error_and_no_memory_leak(seed: int, size: tuple[int, int], tmp_path: Path) -> None:
     found = pressed(seed, 10_000, 5.0, tmp_path, size)
     assert found["errors"] == []
-    assert int(str(found["rest"])) <= MAX_MEMORY, found
+    assert int(str(found["most"])) <= MAX_MEMORY, found

@@ -3,7 +3,7 @@
 Derivatives are finite differences of the simulator, computed in one batch. A few Gauss-Newton steps move the point.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,6 +39,8 @@ TRUST_ROUNDS = 4
 """Number of updates of the outliers' weights at one point."""
 REFIT_ROUNDS = 4
 """Number of steps of a leave-one-out fit from the point of the full fit."""
+PARALLEL_REFITS = 4
+"""Number of leave-one-out fits in memory at a time. [1]"""
 FLIGHT_WEIGHT_ROUNDS = 1
 """Number of updates of the outlier flights' weights at the first point."""
 FLIGHT_WEIGHT_TOLERANCE = 0.15
@@ -102,8 +104,9 @@ def fit_lanes(
     near: bool = False,
     flight_weight: Float[Array, "flight"] | None = None,
     scales: Int[Integers, "scale"] | None = None,
-) -> list[Fit]:
-    """Several fits of parts of a model in parallel; terms that a lane lacks are zero in it.
+) -> Iterator[Fit]:
+    """Several fits of parts of a model in parallel, in the order of their lanes; terms that a lane lacks are zero in
+    it.
 
     `angle_slope` is from `launch_angle_slope`. `on_progress` is called with the fraction done. With an initial
     `flight_weight` [1], the noise of single flights follows a Student t. `scales` are the scales that matter at the
@@ -138,10 +141,23 @@ def fit_lanes(
         moving = [i for i in moving if i not in joined]
         if not moving:
             break
-    settled = {i: _settled(result) for i, result in enumerate(results) if result is not None and i not in joined}
-    for lane, other in reversed(joined.items()):
-        settled[lane] = settled[other]
-    return [settled[i] for i in sorted(settled)]
+    return _each_settled(results, joined)
+
+
+def _each_settled(results: list[Fit | None], joined: Mapping[int, int]) -> Iterator[Fit]:
+    """The settled fit of every lane, one at a time: those of a search would take much memory together."""
+    shared: dict[int, Fit] = {}
+    for lane, result in enumerate(results):
+        results[lane] = None
+        if lane in joined:
+            found = shared[joined[lane]]  # an earlier lane
+        elif result is not None:
+            found = _settled(result)
+        else:
+            continue
+        if lane in joined.values():
+            shared[lane] = found
+        yield found
 
 
 def _first_fit(
@@ -199,9 +215,14 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
     return result is not None and result.log_evidence > log_evidence
 
 
-def refits_without(whole: Fit, rows: Sequence[int], scales: Int[Integers, "scale"] | None = None) -> list[Fit]:
-    """Fits without each of some flights, in parallel, starting from the fit to all of them, for some pairs of scales
-    (by default all). Raises ImpossibleFlight for a flight without a dry mass."""
+def refits_without(whole: Fit, rows: Sequence[int], scales: Int[Integers, "scale"] | None = None) -> Iterator[Fit]:
+    """Fits without each of some flights, a few in parallel, starting from the fit to all of them, for some pairs of
+    scales (by default all). Raises ImpossibleFlight for a flight without a dry mass."""
+    for begin in range(0, len(rows), PARALLEL_REFITS):
+        yield from _refits_together(whole, rows[begin : begin + PARALLEL_REFITS], scales)
+
+
+def _refits_together(whole: Fit, rows: Sequence[int], scales: Int[Integers, "scale"] | None) -> Iterator[Fit]:
     every = tuple(range(len(whole.model.terms)))
     angle_slope = known_angle_slope(whole.model, whole.tangent)
     likely = probable_scales(whole)
@@ -216,7 +237,7 @@ def refits_without(whole: Fit, rows: Sequence[int], scales: Int[Integers, "scale
             moving, tangents(whole.model, [(every, walks[i].at) for i in moving], angle_slope), strict=True
         ):
             found[i] = _moved(found[i], tangent)
-    return [_settled(one, scales) for one in found]
+    return (_settled(one, scales) for one in found)
 
 
 def _unseen(data: Data, row: int) -> Data:

@@ -78,27 +78,44 @@ def sampled(fit: Fit, rng: Generator, draws: int = DRAWS, *, causes: bool = Fals
     if first.pareto_k < RELIABLE_PARETO_K:
         return first
     more = _flown(fit, scales, rng, (MORE_DRAWS - 1) * draws, log_causes)
-    return _weighed(fit, scales, _Flown(*(np.concatenate(pair) for pair in zip(flown, more, strict=True))))
+    return _weighed(fit, scales, flown.with_more(more))
 
 
 class _Flown(NamedTuple):
-    """Simulated draws of a fit."""
+    """Simulated draws of a fit. The likelihood is in batches of draws, because all in one array take much memory."""
 
     log_density: Float[Array, "draw"]
-    likelihood: Float[Array, "draw scale flight"]
+    likelihood: tuple[Float[Array, "batch scale flight"], ...]
     apogee: Float[Array, "draw flight"]
     target: Float[Array, "draw scale"]
+
+    def with_more(self, more: "_Flown") -> "_Flown":
+        """These draws and more of the same fit."""
+        log_density, apogee, target = (
+            np.concatenate([getattr(self, name), getattr(more, name)]) for name in ("log_density", "apogee", "target")
+        )
+        return _Flown(log_density, self.likelihood + more.likelihood, apogee, target)
 
 
 def _flown(
     fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int, log_causes: Float[Array, "flight"] | None
 ) -> _Flown:
     terms, log_density = _drawn(fit, scales, rng, draws)
-    likelihood, apogee = _log_likelihood(fit, scales, terms)
+    flown, apogee = _simulated(fit, terms)
+    batches = np.array_split(flown, -(-draws // DRAWS))
+    likelihood = tuple(_with_causes(log_likelihood(fit, scales, batch), log_causes) for batch in batches)
+    total = np.concatenate([batch.sum(axis=-1) for batch in likelihood])
+    return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + total)
+
+
+def _with_causes(
+    likelihood: Float[Array, "draw scale flight"], log_causes: Float[Array, "flight"] | None
+) -> Float[Array, "draw scale flight"]:
+    """The log likelihood of flights that may also be one-offs, in place of that of usual ones."""
     if log_causes is not None:
         likelihood += log(USUAL_PROBABILITY)
         np.logaddexp(likelihood, log_causes, out=likelihood)
-    return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1))
+    return likelihood
 
 
 def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled:
@@ -113,15 +130,15 @@ def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled
     log_without, ks = np.empty(flights), np.empty(flights)
     by_scale, mean, square = np.empty((3, target.shape[-1], flights))
     for row, flown_apogee in enumerate(apogee.T):  # the weights of all flights at once would take much memory
-        log_without[row], ks[row], weights = _without(target, likelihood[..., row], log_density)
+        of_flight = np.concatenate([batch[..., row] for batch in likelihood])
+        log_without[row], ks[row], weights = _without(target, of_flight, log_density)
         by_scale[:, row] = weights.sum(axis=0)
         safe = np.maximum(by_scale[:, row], 1e-300)
         mean[:, row] = flown_apogee @ weights / safe
         square[:, row] = flown_apogee**2 @ weights / safe
     known = np.maximum(square - mean**2, 0.0)
-    return Sampled(
-        fit, log_evidence, error, pareto_k, log_without, ks, mean, known, own_variance(fit)[scales], by_scale, scales
-    )
+    own = own_variance(fit)[scales]
+    return Sampled(fit.unsolved(), log_evidence, error, pareto_k, log_without, ks, mean, known, own, by_scale, scales)
 
 
 def _drawn(
@@ -165,16 +182,15 @@ def log_prior(
     return np.where(inside.reshape(-1, 1), density, -np.inf)
 
 
-def _log_likelihood(
-    fit: Fit, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
-) -> tuple[Float[Array, "draw scale flight"], Float[Array, "draw flight"]]:
-    """Log likelihood of every flight as in `log_likelihood`, and the compared apogee."""
+def _simulated(
+    fit: Fit, terms: Float[Array, "draw term"]
+) -> tuple[Float[Array, "draw flight readout"], Float[Array, "draw flight"]]:
+    """The compared readouts of every draw, and its apogee, which is that of the fit if it cannot be simulated."""
     model, near = fit.model, fit.tangent
     low, high = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high"))
     readings = shown(model, np.clip(terms, low, high), {})
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
-    apogee = np.where(np.isfinite(flown[..., 0]), flown[..., 0], near.values[:, 0])
-    return log_likelihood(fit, scales, flown), apogee
+    return flown, np.where(np.isfinite(flown[..., 0]), flown[..., 0], near.values[:, 0])
 
 
 def log_likelihood(

@@ -13,6 +13,7 @@ from jaxtyping import config as shapes
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
+from fieldkit.inference.laplace import fit as fitting
 from fieldkit.inference.laplace.damped_steps import DampedSteps
 from fieldkit.inference.laplace.fit import Lane, fit, fit_lanes, refits_without
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
@@ -149,7 +150,7 @@ def test_fits_at_the_same_point_are_continued_once() -> None:
     one, data = model(), seasons()[0]
     start, every = np.array([term.mean for term in one.terms]), tuple(range(len(one.terms)))
     with patch.object(shapes, "jaxtyping_disable", True):
-        found = fit_lanes(one, data, [Lane(every, start)] * 2, launch_angle_slope(one, start))
+        found = list(fit_lanes(one, data, [Lane(every, start)] * 2, launch_angle_slope(one, start)))
     assert found[0] is found[1]
 
 
@@ -414,3 +415,13 @@ def test_refits_keep_the_scatter_of_the_launch_angle() -> None:
     slopes = [one.tangent.scatter_slope[:, 0, kinds.index("tilt")] for one in (rest, whole)]
     assert np.abs(slopes[1]).min() > 1e-4
     np.testing.assert_allclose(slopes[0], slopes[1])
+
+
+def test_fits_without_one_flight_are_the_same_whether_few_or_all_are_run_together(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole, rows = fits()[0], [0, 1, 2]
+    together = list(refits_without(whole, rows))
+    monkeypatch.setattr(fitting, "PARALLEL_REFITS", 2)
+    for one, other in zip(refits_without(whole, rows), together, strict=True):
+        np.testing.assert_allclose(one.mean, other.mean, rtol=1e-9, atol=1e-12)

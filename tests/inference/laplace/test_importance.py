@@ -2,13 +2,24 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.stats import genpareto
 
+from fieldkit.inference.laplace import importance
 from fieldkit.inference.laplace.fit import fit, refits_without
-from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, _squares, sampled, summed
+from fieldkit.inference.laplace.importance import (
+    DRAWS,
+    MORE_DRAWS,
+    RELIABLE_PARETO_K,
+    Sampled,
+    _squares,
+    log_likelihood,
+    sampled,
+    summed,
+)
 from fieldkit.inference.laplace.outlier_weights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
@@ -51,6 +62,22 @@ def test_few_draws_agree_with_many(readouts: int) -> None:
     assert few.pareto_k < RELIABLE_PARETO_K
     assert abs(few.log_evidence - many.log_evidence) < 4 * np.hypot(few.error, many.error)
     np.testing.assert_allclose(few.log_without, many.log_without, atol=0.35)
+
+
+def test_likelihoods_are_computed_in_batches_and_the_fit_is_kept_without_its_solution(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sizes: list[int] = []
+
+    def counted(fit: Fit, scales: Any, flown: Any) -> Any:
+        sizes.append(len(flown))
+        return log_likelihood(fit, scales, flown)
+
+    monkeypatch.setattr(importance, "log_likelihood", counted)
+    monkeypatch.setattr(importance, "RELIABLE_PARETO_K", -np.inf)  # no draws are enough
+    found = sampled(fitted(), np.random.default_rng(1))
+    assert sizes == [DRAWS] * MORE_DRAWS
+    assert found.fit.solution is None
 
 
 def test_the_fits_lower_bound_is_close_below_the_evidence() -> None:
