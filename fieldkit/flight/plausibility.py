@@ -16,6 +16,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.recovery import IN_EVERY_FIT, check_recovery, rail_direction
+from fieldkit.flight.unit_slips import unit_slip
 from fieldkit.messages import TextWithAmounts, marked, message, of_column
 
 IDENTITY = (0.9, 1.1)
@@ -37,6 +38,8 @@ PLAUSIBLE_RATIO = (0.5, 2.0)
 
 Mass, wind and motor lots change a readout by less; an extra digit, or feet entered as meters, by more.
 """
+USUAL_SD = 0.1
+"""Standard deviation of the log ratio of a readout to the median for the same rocket and motor. [1]"""
 SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts that can be around zero, which a ratio cannot check."""
 
@@ -323,7 +326,8 @@ def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[tuple
             ratio, usually = value / middle, of_column(BY_NAME[name], middle, digits=3)
             times = f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
             phrase = f"{_titled(BY_NAME[name], value)} is {times} the usual {usually} of this rocket and motor"
-            yield message(phrase), (name,)
+            slip = unit_slip(BY_NAME[name], value, math.log(ratio), USUAL_SD)
+            yield message(f"{phrase}; perhaps {slip.words}" if slip else phrase), (name,)
 
 
 def _unusual(column: Column, value: float) -> TextWithAmounts | None:

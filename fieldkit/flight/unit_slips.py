@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import log
 
 from fieldkit.flight.columns import Column
+from fieldkit.spelled_units import rounded, with_unit
 from fieldkit.units import UNITS
 
 CONFUSED = {
@@ -33,6 +34,12 @@ class UnitSlip:
     def typed(self) -> str:
         """The number with the unit that was meant, as it is typed: `918ft`."""
         return f"{self.number:.6g}{self.meant}"
+
+    @property
+    def words(self) -> str:
+        """`918 ft taken for 918 m`."""
+        number = rounded(self.number)
+        return f"{with_unit(number, self.meant)} taken for {with_unit(number, self.read)}"
 
 
 def unit_slip(column: Column, value: float, log_ratio: float, sd: float) -> UnitSlip | None:

@@ -10,7 +10,6 @@ from fieldkit.flight.unit_slips import UnitSlip, unit_slip
 from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause, farthest
 from fieldkit.model.causes import CAUSES
 from fieldkit.quantities import in_system, percent
-from fieldkit.spelled_units import rounded, with_unit
 
 CLEAR = 1.5
 """A readout departs clearly from this many standard deviations on. [1]"""
@@ -41,7 +40,7 @@ def _impossible(one: FlightBesideOthers, system: str) -> Iterator[str]:
     """A sentence for each reason why readouts of a flight cannot be measurements."""
     slips, titles = _impossible_slips(one), dict[str, list[str]]()
     for name, found in one.impossible.items():
-        meant = f"; perhaps {_words(slips[name])}" if name in slips else ""
+        meant = f"; perhaps {slips[name].words}" if name in slips else ""
         titles.setdefault(in_system(found.reason, system) + meant, []).append(BY_NAME[name].title.lower())
     for reason, own in titles.items():
         yield f"Its {' and '.join(own)} {'is' if len(own) == 1 else 'are'} excluded from every fit: {reason}."
@@ -66,12 +65,6 @@ def _misread_slip(one: FlightBesideOthers) -> tuple[str, UnitSlip] | None:
     name = farthest(one.departures)
     slip = _slip(one, name, *one.departures[name])
     return None if slip is None else (name, slip)
-
-
-def _words(slip: UnitSlip) -> str:
-    """`918 ft taken for 918 m`."""
-    number = rounded(slip.number)
-    return f"{with_unit(number, slip.meant)} taken for {with_unit(number, slip.read)}"
 
 
 def _beside(one: FlightBesideOthers) -> str:
@@ -111,7 +104,7 @@ def _cause(one: FlightBesideOthers) -> str:
     shown = ", ".join(_signs(one))
     if first.probability >= MIN_LIKELY_FRACTION * one.probability:
         slip = _misread_slip(one)
-        perhaps = f", perhaps {_words(slip[1])}" if slip is not None else ""
+        perhaps = f", perhaps {slip[1].words}" if slip is not None else ""
         likely = f"Most likely {_named(one, first)} ({percent(first.probability)}){perhaps}"
         return f"{likely}: {shown}" if shown else likely
     several = f"Possible: {_listed(one.causes)}"
