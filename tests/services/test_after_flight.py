@@ -202,3 +202,15 @@ def test_the_delay_of_a_plan_is_offered_with_its_motor(motor: str, text: str) ->
 
 def test_a_plugged_motor_is_offered_as_plugged() -> None:
     assert setup_answers(PLAN.with_changes(motor="G69N", delay=PLUGGED_DELAY))["motor"] == "G69N-P"
+
+
+@pytest.mark.parametrize("apogee", [0.15, 0.5, 1.5, 5.0, 150_000.0])
+def test_the_forecast_of_a_flight_does_not_spread_with_its_own_wrong_apogee(ledger: Ledger, apogee: float) -> None:
+    """A reading of 0.15 m has a relative error of several hundred percent, the forecast of 250 m has not."""
+    flight = PAST[0].with_changes(flight_id="5", date_time=datetime(2026, 5, 9), apogee=apogee)
+    ledger.add([flight])
+    found = flight_beside_others(ledger, catalogue(), flight)
+    if found is not None and found.interval is not None:
+        low, middle, high = found.interval
+        assert 170 < low < middle < high < 300
+        assert not low <= apogee <= high

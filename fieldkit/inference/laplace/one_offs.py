@@ -24,7 +24,7 @@ from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve
 from fieldkit.model.causes import NAMES, USUAL_PROBABILITY, Signatures, signatures
-from fieldkit.model.readout_data import Data
+from fieldkit.model.readout_data import IS_LOGARITHMIC, Data
 from fieldkit.shapes import Array, Float, Int, Integers
 
 TAIL_DRAWS = 32
@@ -39,6 +39,8 @@ DOUBTFUL = 0.9
 """A change is considered if all flights on one side of it are usual ones with less than this probability. [1]"""
 MAX_SHIFT = 2.0
 """Largest miss of a single flight that counts where apogees before and after are compared. [standard deviations]"""
+MAX_RELATIVE_ERROR = 0.1
+"""Largest relative error that is nearly the error of the logarithm. [1]"""
 CHANGE_ROUNDS = 2
 """Updates of the weights of outliers in the fits before and after a change. [1]"""
 
@@ -94,7 +96,7 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
     normal, log_causes = np.ones(len(usable)), np.full(len(usable), -np.inf)
     cause, strength = np.zeros((len(usable), len(NAMES))), np.zeros((len(usable), len(NAMES)))
     scatter = fit.model.scatter_scales() ** 2
-    variance = residual_variance(fit.model, data)
+    variance, error_ratio = residual_variance(fit.model, data), _as_expected(data, fit.tangent.values)
     for row in np.flatnonzero(usable.any(axis=1)).tolist():
         own = np.flatnonzero(usable[row])
         place = np.searchsorted(left_out.evidence.readouts, own)
@@ -110,11 +112,22 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
         weight = np.exp(log_scale)
         miss[row, own] = weight @ error
         between = weight @ (error - miss[row, own]) ** 2
-        sd[row, own] = np.sqrt(weight @ (np.diagonal(known_part + joint, axis1=1, axis2=2) + reading) + between)
+        around = np.diagonal(known_part + joint, axis1=1, axis2=2) + reading * error_ratio[row, own] ** 2
+        sd[row, own] = np.sqrt(weight @ around + between)
         normal[row], cause[row], strength[row], log_causes[row] = _probabilities(likely, known, row, own)
     weight = np.maximum(normal, LEAST_WEIGHT)
     found = OneOffs(miss, sd, normal, cause, strength, weight, log_causes, _log_mixture(weight, log_causes))
     return _with_change(fit, found)
+
+
+def _as_expected(data: Data, expected: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
+    """The error of each readout were it as expected, relative to that of the reading: less than 1 for one that is too
+    low for its relative error to be that of its log. [1]
+
+    An altimeter that shows 0.2 m instead of 200 m may be off by several times its reading, the next one is not.
+    """
+    too_low = IS_LOGARITHMIC & data.seen & (data.sd > MAX_RELATIVE_ERROR) & np.isfinite(expected)
+    return np.asarray(np.exp(np.minimum(np.where(too_low, data.values - expected, 0.0), 0.0)))
 
 
 def _log_mixture(weight: Float[Array, "flight"], log_causes: Float[Array, "flight"]) -> Float[Array, "flight"]:
