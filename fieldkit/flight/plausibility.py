@@ -40,6 +40,8 @@ Mass, wind and motor lots change a readout by less; an extra digit, or feet ente
 """
 USUAL_SD = 0.1
 """Standard deviation of the log ratio of a readout to the median for the same rocket and motor. [1]"""
+MOST_TIMES = 1000
+"""Largest ratio that is stated as such. [1]"""
 SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts that can be around zero, which a ratio cannot check."""
 
@@ -324,10 +326,16 @@ def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[tuple
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
             ratio, usually = value / middle, of_column(BY_NAME[name], middle, digits=3)
-            times = f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
-            phrase = f"{_titled(BY_NAME[name], value)} is {times} the usual {usually} of this rocket and motor"
-            slip = unit_slip(BY_NAME[name], value, math.log(ratio), USUAL_SD)
+            phrase = f"{_titled(BY_NAME[name], value)} is {_times(ratio)} the usual {usually} of this rocket and motor"
+            slip = unit_slip(BY_NAME[name], value, math.log(ratio), USUAL_SD) if ratio > 0 else None
             yield message(f"{phrase}; perhaps {slip.words}" if slip else phrase), (name,)
+
+
+def _times(ratio: float) -> str:
+    """A ratio in words: `4.8 times`, `17% of`."""
+    if not 1 / MOST_TIMES < abs(ratio) < MOST_TIMES:
+        return f"more than {MOST_TIMES} times" if abs(ratio) > 1 else f"less than 1/{MOST_TIMES} of"
+    return f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
 
 
 def _unusual(column: Column, value: float) -> TextWithAmounts | None:

@@ -23,6 +23,7 @@ from fieldkit.flight.plausibility import (
     best_speed,
     descent_ratio,
     doubts,
+    far_from_usual,
     implausible,
     not_measured,
 )
@@ -556,3 +557,17 @@ def test_the_example_beside_a_mistake_has_the_unit_that_was_typed_or_that_of_the
     for text, example in (("1.6x4", "in"), ("-3cm", "cm"), ("four", "in")):
         with pytest.raises(BadValue, match=rf"such as [\d.]+{example}$"):
             read_answer("diameter", text, "in")
+
+
+@pytest.mark.parametrize(
+    ("ratio", "words"),
+    [(4.84, "4.8 times"), (0.171, "17% of"), (3e9, "more than 1000 times"), (1e-9, "less than 1/1000 of")],
+)
+def test_a_ratio_is_in_plain_figures(ratio: float, words: str) -> None:
+    flight = Flight(motor="F24-4W", apogee=1e-3 * ratio)
+    assert f" is {words} the usual " in next(far_from_usual(flight, {"apogee": 1e-3}))[0]
+
+
+def test_a_readout_on_the_other_side_of_zero_is_far_from_the_usual_one() -> None:
+    (phrase, _), *_ = far_from_usual(Flight(motor="F24-4W", eject_altitude=-100.0), {"eject_altitude": 100.0})
+    assert "is -100% of the usual 100 m" in phrase
