@@ -213,6 +213,7 @@ def options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, by default that of the process, and return its exit status."""
+    os.environ["MPLBACKEND"] = "agg"  # pictures go to files, and a backend that is not installed is an error
     _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):

@@ -14,7 +14,7 @@ from fieldkit.cli.options import dashed
 from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import complain, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.errors import NoFlights, UnknownMotor, of_rocket
+from fieldkit.errors import DamagedLog, NoFlights, UnknownMotor, of_rocket
 from fieldkit.flight.site import Site
 from fieldkit.paths import data_file
 from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck, short_safety_text
@@ -88,12 +88,20 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
         yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
 
 
+MOST_PLANS = 200
+"""Largest number of planned flights in a table: the drawing of each on a day sheet takes 0.4 s. [1]"""
+
+
 def planned_table(file: Path, check: Callable[[str], str | None]) -> "list[Flight]":
-    """The planned flights of a table. Raises DamagedLog for the first bad row."""
+    """The planned flights of a table. Raises DamagedLog for the first bad row, or for more than `MOST_PLANS`."""
     from fieldkit.importing.read import read_plans
     from fieldkit.services.imports import read_file
 
-    return read_plans(read_file(file), str(file), check)
+    plans = read_plans(read_file(file), str(file), check)
+    if len(plans) > MOST_PLANS:
+        found = f"found {len(plans)} planned flights, expected at most {MOST_PLANS} at a time; split the table"
+        raise DamagedLog(found, source=str(file))
+    return plans
 
 
 OF_THE_FIELD = ("waiver", "field_size", "people", "bystanders", "rules")

@@ -99,3 +99,12 @@ def test_a_long_import_is_one_short_line_in_the_history(folder: Path, run: Run) 
         assert ledger.history()[-1].what == (
             "2, 3, 4, 5 and 5 more from day0.csv, day1.csv, day2.csv, day3.csv and 5 more"
         )
+
+
+@pytest.mark.parametrize("command", ["predict", "daysheet --out sheet.pdf"])
+def test_the_plans_of_a_table_are_counted(command: str, folder: Path, run: Run) -> None:
+    """Each is simulated, and drawn on a day sheet: thousands took a quarter of an hour."""
+    header, row, _ = PLANS.split("\n")
+    (folder / "many.csv").write_text("\n".join([header, *[row.replace("a", str(n), 1) for n in range(201)]]))
+    error = run(*command.split(), "--flights", "many.csv", status=1).err
+    assert "many.csv: found 201 planned flights, expected at most 200 at a time" in error

@@ -12,6 +12,7 @@ from tempfile import mkdtemp
 import pytest
 
 from fieldkit import files
+from fieldkit.cli.main import main
 from fieldkit.cli.screen import complain
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
@@ -214,3 +215,11 @@ def test_a_command_runs_its_small_matrices_on_one_thread() -> None:
         own = rest | ({"OPENBLAS_NUM_THREADS": preset} if preset else {})
         done = subprocess.run([sys.executable, "-c", asked], env=own, capture_output=True, text=True, check=True)
         assert done.stdout.split()[-2:] == [expected, "False"]
+
+
+def test_pictures_need_no_backend_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A name that matplotlib does not know ended a report in a traceback."""
+    monkeypatch.setenv("MPLBACKEND", "none_such")
+    assert main(["--version"]) == 0
+    code = "import matplotlib; print(matplotlib.get_backend())"
+    assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "agg"
