@@ -19,6 +19,7 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_group
 
+from fieldkit.cli.bare_numbers import note_bare_options
 from fieldkit.cli.metavars import name_values
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
@@ -159,6 +160,7 @@ class Commands(TyperGroup):
         found = super().resolve_command(context, arguments)
         if found[0] not in WITHOUT_UNITS and WITHOUT_QUESTIONS.isdisjoint(arguments):
             ask_units_once()
+        note_bare_options(found[1], found[2])
         return found
 
 

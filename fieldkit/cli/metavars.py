@@ -65,6 +65,8 @@ OPTIONS = """
     EGGS: eggs
 """
 """Placeholders of the options and arguments that are not numbers of a flight's columns."""
+MILLIMETERS = frozenset({"diameter", "parachute_diameter", "max_length", "mount", "rocket_length"})
+"""Lengths that are in mm if they are typed without a unit; all others are in m."""
 TYPES = {"str": "text", "int": "number", "float": "number"}
 """What the help calls the type of an argument, by its name in the code."""
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from fieldkit.cli.bare_numbers import note_bare_column
 from fieldkit.cli.screen import complain, remark, system
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
@@ -65,7 +66,10 @@ def split_settings(arguments: Sequence[str]) -> dict[str, str]:
     for argument in arguments:
         if "=" not in argument:
             raise typer.BadParameter(f"found {argument!r}, expected COLUMN=VALUE")
-    return dict(argument.split("=", 1) for argument in arguments)
+    settings = dict(argument.split("=", 1) for argument in arguments)
+    for name, text in settings.items():
+        note_bare_column(name, text)
+    return settings
 
 
 def read_settings(

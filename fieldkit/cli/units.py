@@ -29,7 +29,10 @@ def units(
     ] = None,
     json: AsJson = False,
 ) -> None:
-    """Show or set the units of every command and of the app; mixed is feet, with grams and millimeters."""
+    """Show or set the units of every command and of the app; mixed is feet, with grams and millimeters.
+
+    A number typed after an option without its unit stays in the unit that the option's help names.
+    """
     if system is not None:
         if (named := _named(system)) is None:
             raise typer.BadParameter(f"found {system!r}, expected one of {', '.join(UNITS)}")
