@@ -12,6 +12,8 @@ MAX_NEAREST = 3
 """Number of similar names that a message suggests. [1]"""
 MIN_SIMILARITY = 0.6
 """Minimum similarity (`difflib`) of a misspelling to a name. [1]"""
+LEAST_BEGINNING = 3
+"""Number of letters from which a text counts as the beginning of a name. [characters]"""
 LONGEST_LINE = 1000
 """Length of a line of a message above which it loses its middle: messages may quote a file. [characters]"""
 
@@ -27,10 +29,13 @@ def shortened(text: str) -> str:
 
 
 def nearest(typed: str, known: Iterable[str], least: float = MIN_SIMILARITY) -> list[str]:
-    """Up to `MAX_NEAREST` known names that a typed one may misspell in any case, the most similar first; `least` is the
-    minimum similarity. [1]"""
+    """Up to `MAX_NEAREST` known names that a typed one may begin or misspell in any case: those that it begins, the
+    shortest first, then the most similar; `least` is the minimum similarity. [1]"""
     by_fold = {name.casefold(): name for name in known}
-    return [by_fold[one] for one in get_close_matches(typed.strip().casefold(), by_fold, MAX_NEAREST, least)]
+    folded = typed.strip().casefold()
+    begun = sorted((one for one in by_fold if len(folded) >= LEAST_BEGINNING and one.startswith(folded)), key=len)
+    found = dict.fromkeys([*begun, *get_close_matches(folded, by_fold, MAX_NEAREST, least)])
+    return [by_fold[one] for one in found][:MAX_NEAREST]
 
 
 def unknown(kind: str, typed: str, known: Iterable[str]) -> str:

@@ -2,6 +2,7 @@
 units of the answers."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from fieldkit import units
@@ -27,15 +28,13 @@ def note_bare_options(command: Any, arguments: Sequence[str]) -> None:
     """
     if not SYSTEMS[system()]:
         return
+    words = [part for one in arguments for part in (one.split("=", 1) if one.startswith("--") else [one])]
     for parameter in command.params:
         if quantity := _QUANTITIES.get(str(parameter.metavar)):
             plain = f"--{parameter.name.replace('_', '-')}"
-            for before, text in zip(arguments, arguments[1:], strict=False):
+            for before, text in pairwise(words):
                 if before == plain:
                     note_bare_number(f"{plain} ", parameter.name, quantity, text)
-            for one in arguments:
-                if one.startswith(f"{plain}="):
-                    note_bare_number(f"{plain}=", parameter.name, quantity, one.partition("=")[2])
 
 
 def note_bare_column(name: str, text: str) -> None:

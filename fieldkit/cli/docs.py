@@ -29,7 +29,10 @@ def page_names(incomplete: str = "") -> list[str]:
 @app.command()
 def docs(
     page: Annotated[
-        str, typer.Argument(metavar="PAGE", help="Name of the page, or its first letters.", autocompletion=page_names)
+        str,
+        typer.Argument(
+            metavar="PAGE", help="Name of the page, or its first letters, or a command.", autocompletion=page_names
+        ),
     ] = "",
 ) -> None:
     """Print a page of the manual; without a page, list them."""
@@ -42,10 +45,19 @@ def docs(
         say()
         say("To print a page: fieldkit docs start")
         return
-    found = [page] if page in page_names() else page_names(page)
+    found = [page] if page in page_names() else page_names(page) or _about_command(page)
     if len(found) != 1:
         raise BadValue(unknown("page", page, found or page_names()))
     Console(highlight=False).print(Manual(_readable(_text(found[0]))))
+
+
+def _about_command(name: str) -> list[str]:
+    """The page that explains a command, or else that lists it; none for another name."""
+    from fieldkit.cli.main import EXPLAINED_ON
+
+    listed = (page for page in page_names("commands-") if f"## `fieldkit {name}`\n" in _text(page))
+    found = EXPLAINED_ON.get(name) or next(listed, None)
+    return [found] if found else []
 
 
 def _contents() -> list[tuple[str, str]]:

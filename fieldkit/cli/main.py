@@ -24,7 +24,7 @@ from fieldkit.cli.metavars import name_values
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
 from fieldkit.cli.units import ask_units_once, in_terminal
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import LEAST_BEGINNING, MAX_NEAREST, FieldkitError
 from fieldkit.plugins import trained_digests
 from fieldkit.quantities import in_system
 
@@ -107,10 +107,31 @@ EXPLAINED_ON = {command: page for page, commands in PAGES.items() for command in
 HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
 """The module of each command."""
 
+OTHER_WORDS = {
+    "backup": "backups",
+    "delete": "remove",
+    "forecast": "predict",
+    "help": "--help",
+    "list": "flights",
+    "log": "add",
+    "merge": "edit",
+    "new": "add",
+    "rename": "edit",
+    "rockets": "flights",
+    "settings": "units",
+    "version": "--version",
+}
+"""What flyers type for a command that has another name."""
+OTHER_OPTIONS = {"--altitude": "--apogee", "--height": "--apogee", "--weight": "--dry-mass", "--speed": "--top-speed"}
+"""What flyers type for an option that has another name."""
 WITHOUT_UNITS = ("units", "docs")
 """Commands that are answered before the units are chosen."""
 WITHOUT_QUESTIONS = frozenset({"--json", "--help", "-h"})
 """Options whose answer is for a program, or the same in all units."""
+
+
+UsageError: Any = typer.BadParameter.__mro__[1]
+"""What is raised for a wrong command line, such as an option that does not exist."""
 
 
 class OnDemand(Mapping[str, Any]):
@@ -157,11 +178,34 @@ class Commands(TyperGroup):
 
     def resolve_command(self, context: Any, arguments: list[str]) -> tuple[str | None, Any, list[str]]:
         """The command that the arguments name, before which the units are asked for at the first start."""
+        if meant := OTHER_WORDS.get(arguments[0]):
+            context.fail(f"No such command {arguments[0]!r}. Did you mean {meant!r}?")
         found = super().resolve_command(context, arguments)
         if found[0] not in WITHOUT_UNITS and WITHOUT_QUESTIONS.isdisjoint(arguments):
             ask_units_once()
         note_bare_options(found[1], found[2])
         return found
+
+    def invoke(self, context: Any) -> Any:
+        """Run the command; for an option that it does not have, those that begin with it or contain it come first."""
+        try:
+            return super().invoke(context)
+        except UsageError as error:
+            if (typed := getattr(error, "option_name", "")) and error.ctx:
+                error.possibilities = _meant(typed, error.ctx.command) or error.possibilities
+            raise
+
+
+def _meant(typed: str, command: Any) -> list[str]:
+    """The options of a command that an unknown one begins, or whose words contain it, or that have another name."""
+    known = {opt for one in command.params for opt in one.opts} & {_dashed(one.name or "") for one in command.params}
+    begun = [one for one in sorted(known) if len(typed) > LEAST_BEGINNING and one.startswith(typed)]
+    within = [one for one in sorted(known) if f"-{typed.lstrip('-')}-" in f"{one}-"]
+    return list(dict.fromkeys(one for one in (OTHER_OPTIONS.get(typed), *begun, *within) if one in known))[:MAX_NEAREST]
+
+
+def _dashed(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
 app = typer.Typer(

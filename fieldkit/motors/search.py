@@ -101,11 +101,12 @@ def matches(listings: Listings, text: str) -> list[Listing]:
 
 
 def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
-    """The listings whose names are closest to a name: in its class those with a digit more or less, then the nearest
-    thrusts; or similar letters."""
+    """The listings whose names are closest to a name: in its class those with its digits in another order, those with a
+    digit more or less, then the nearest thrusts; or similar letters."""
     same = [key for key in listings if name.core and _class(key) == _class(name.core)]
+    swapped = [key for key in same if key != name.core and sorted(key) == sorted(name.core)]
     mistyped = difflib.get_close_matches(name.core, same, n=2, cutoff=ONE_DIGIT_OFF)
-    keys = [*mistyped, *sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]]
+    keys = [*swapped, *mistyped, *sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]]
     if not keys:
         squeezed = {
             squeeze(text): listing.name for listing in _all(listings) for text in (listing.name, listing.designation)

@@ -11,7 +11,7 @@ ADD = ("add", "--rocket", "Lark", "--motor", "F39-6T", "--diameter", "66mm")
     ("option", "read"),
     [
         (("--apogee", "812"), "note: read --apogee 812 as 812 m (2664 ft); type --apogee 812ft for ft"),
-        (("--wind=8",), "note: read --wind=8 as 8 m/s (17.9 mph); type --wind=8mph for mph"),
+        (("--wind=8",), "note: read --wind 8 as 8 m/s (17.9 mph); type --wind 8mph for mph"),
         (("--temperature", "50"), "note: read --temperature 50 as 50 °C (122 °F); type --temperature 50F for F"),
         (("--dry-mass", "450"), "note: read --dry-mass 450 as 450 g (15.87 oz); type --dry-mass 450oz for oz"),
     ],
