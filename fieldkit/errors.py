@@ -33,8 +33,8 @@ def nearest(typed: str, known: Iterable[str], least: float = MIN_SIMILARITY) -> 
     shortest first, then the most similar; `least` is the minimum similarity. [1]"""
     by_fold = {name.casefold(): name for name in known}
     folded = typed.strip().casefold()
-    begun = sorted((one for one in by_fold if len(folded) >= LEAST_BEGINNING and one.startswith(folded)), key=len)
-    found = dict.fromkeys([*begun, *get_close_matches(folded, by_fold, MAX_NEAREST, least)])
+    starting = sorted((one for one in by_fold if len(folded) >= LEAST_BEGINNING and one.startswith(folded)), key=len)
+    found = dict.fromkeys([*starting, *get_close_matches(folded, by_fold, MAX_NEAREST, least)])
     return [by_fold[one] for one in found][:MAX_NEAREST]
 
 

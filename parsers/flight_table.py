@@ -135,13 +135,18 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
 
 
 def _headings(names: Sequence[str], header_row: int, table: Iterable[TableRow], *, named: bool) -> list[ColumnRole]:
-    """The columns of a table, whose names are fieldkit's own if they were `named` by the flyer. Raises DamagedLog."""
+    """The columns of a table, whose names are fieldkit's own if they were `named` by the flyer, a date's perhaps with
+    its order. Raises DamagedLog."""
+    orders = [DATE_ORDERS[name] for name in names if name in DATE_ORDERS]
+    names = ["date_time" if name in DATE_ORDERS else name for name in names]
     known_columns = beside_a_motor(names)
     headings = [
         role if own == name else replace(role, spelled=name.strip(), loose=True)
         for role, own, name in zip(headings_of(known_columns, header_row), known_columns, names, strict=True)
     ]
-    day_first = is_day_first(cells_of("date_time", headings, table))
+    day_first = orders[0] if orders else is_day_first(cells_of("date_time", headings, table))
+    if day_first is None and any(one.field == "temperature" and one.unit == "f" for one in headings):
+        day_first = False  # those who measure in °F write the month first
     if not named and are_mere_numbers(headings, table):
         headings = [replace(one, field="") if one.field == "flight_id" else one for one in headings]
     headings = [one if one.field or one.beside else _judged(one) for one in headings]
@@ -213,6 +218,10 @@ def _columns(headings: Sequence[ColumnRole]) -> dict[str, str]:
     fields = [(heading.field or heading.kept_as, heading.spelled) for heading in reversed(headings)]
     named = {field: spelled for field, spelled in fields if field}
     return named | {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
+
+
+DATE_ORDERS = {"date_time_day/month": True, "date_time_month/day": False}
+"""Names of a date that the flyer has chosen with its order, and whether the day comes first."""
 
 
 class _Layout:
@@ -307,7 +316,7 @@ def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: st
     if cell.lower() in NOT_RECORDED:
         return None
     if place.part == "sd":
-        check_number(cell, BY_NAME[place.readout], heading.unit, mark)
+        check_number(cell, BY_NAME[place.readout], heading.unit, mark, heading.spelled)
     return place.read(from_cell(cell))
 
 
@@ -347,7 +356,7 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
         return (
             None
             if cell.strip().lower() in NOT_RECORDED
-            else number_of(cell.strip(), BY_NAME[heading.field], heading.unit, mark)
+            else number_of(cell.strip(), BY_NAME[heading.field], heading.unit, mark, heading.spelled)
         )
     return cell.strip()
 

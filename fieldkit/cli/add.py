@@ -17,6 +17,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
 from fieldkit.quantities import in_system
+from fieldkit.services.names import same_name
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
@@ -65,6 +66,8 @@ def add(
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes or lift_off_mass is not None:
+            if changes.get("rocket"):
+                changes["rocket"] = same_name(changes["rocket"], ledger.names("rocket"))
             flight = _from_options(changes, lift_off_mass)
             for phrase in unknown_names(ledger, flight, given, new=True):
                 complain(f"note: {phrase}")

@@ -31,6 +31,7 @@ def list_(context: typer.Context, json: AsJson = False) -> None:
             for one in kept
         ]
         print_table(("no.", "made", "flights", "changes", "size"), rows, numbers=["no.", "flights", "changes", "size"])
+        complain(f"Backups of {file}")
     else:
         complain(f"No backups of {file} yet; the first is made before the first change of the day")
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.formula_text import formula_text
+from fieldkit.cli.main import EXPLAINED_ON
 from fieldkit.cli.screen import print_table, say
 from fieldkit.errors import BadValue, unknown
 from fieldkit.plugins import plugin_folder
@@ -53,8 +54,6 @@ def docs(
 
 def _about_command(name: str) -> list[str]:
     """The page that explains a command, or else that lists it; none for another name."""
-    from fieldkit.cli.main import EXPLAINED_ON
-
     listed = (page for page in page_names("commands-") if f"## `fieldkit {name}`\n" in _text(page))
     found = EXPLAINED_ON.get(name) or next(listed, None)
     return [found] if found else []

@@ -19,6 +19,7 @@ from fieldkit.cli.predictions import print_outcome
 from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, given_columns, known_motors, open_ledger, read_settings
 from fieldkit.cli.targets import ForceOption, settled
+from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import Flight
 from fieldkit.paths import REFERENCE_FLIGHTS
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 app = typer.Typer()
 MAX_LISTED = 100
 """Maximum number of rejected rows, and of notes, that are printed. [1]"""
+SPREADSHEETS = (".xlsx", ".xls", ".ods", ".numbers")
+"""Suffixes of files that spreadsheets write; one of them that holds a CSV table does not open in some."""
 
 MAX_COMPARED_FLIGHTS = 6
 """Maximum number of imported flights that are compared with their forecasts, one line each. [1]"""
@@ -260,6 +263,8 @@ def export(
     from fieldkit.services.forecasts import which_rocket
 
     file = None if file is not None and str(file) in ("-", "/dev/stdout") else file
+    if file is not None and format is None and file.suffix.lower() in SPREADSHEETS:
+        raise BadValue(f"{file}: found {file.suffix}, expected .csv, which every spreadsheet opens, or .json")
     with open_ledger(context) as ledger:
         force = file is not None and settled(file, force)
         flights = ledger.flights(which_rocket(ledger, rocket) if rocket else None)

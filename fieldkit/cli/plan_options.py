@@ -12,7 +12,7 @@ from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import LIFT_OFF, dry_mass
 from fieldkit.errors import LedgerError, UnknownMotor
 from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
-from fieldkit.flight.plausibility import doubts, implausible
+from fieldkit.flight.plausibility import doubts, far_from_flown, implausible
 from fieldkit.flight.recovery import (
     RECOVERY_NAMES,
     check_recovery,
@@ -119,7 +119,9 @@ def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given)
     from fieldkit.services.unknown_names import unknown_names
 
     yield from unknown_names(ledger, plan, given)
-    yield from (in_system(one, system()) for one in doubts(plan))
+    flown = ledger.latest(plan.rocket, plan.config) if plan.rocket else None
+    far = far_from_flown(plan, flown) if flown is not None else ()
+    yield from (in_system(one, system()) for one in (*doubts(plan), *far))
     with suppress(UnknownMotor):
         if plan.motor and (reason := implausible(plan, motors.resolve_several(plan.motor).motor)):
             yield in_system(reason, system())

@@ -1,6 +1,6 @@
 """Flights of the ledger: `flights`, `show`, `edit`, `tag`, `untag` and `remove`."""
 
-from itertools import chain
+from itertools import chain, takewhile
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,18 +16,19 @@ from fieldkit.errors import FieldkitError, LedgerError, nearest, unknown
 from fieldkit.flight import BY_NAME, TAGS, read_tags
 from fieldkit.flight.event_names import event_title
 from fieldkit.flight.limits import check_name
+from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
 from fieldkit.presentation.export import document
 from fieldkit.quantities import counted, in_system, measure, significant, with_sd
+from fieldkit.services.names import same_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping, Sequence
 
     from fieldkit.flight import Flight
     from fieldkit.forecast.one_offs import FlightBesideOthers
     from fieldkit.ledger import FlightSummary, Ledger
     from fieldkit.rocket import Configuration
-    from fieldkit.services.manual_entry import BuildNote
     from fieldkit.services.replay import Recording
 
 app = typer.Typer()
@@ -208,40 +209,71 @@ def edit(
     flight: FlightId,
     changes: Annotated[
         list[str],
-        typer.Argument(metavar="COLUMN=VALUE...", help="apogee=923ft; an empty value clears: notes=."),
+        typer.Argument(
+            metavar="[FLIGHT...] COLUMN=VALUE...", help="More flights, and apogee=923ft; an empty value clears: notes=."
+        ),
     ],
 ) -> None:
-    """Change columns of a flight.
+    """Change columns of a flight, of several, or of all flights of a rocket, for which its name stands.
 
     A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
     lift_off_mass=620g is the mass weighed with the motor, from which the dry mass follows.
     timer_1_s=38.42 and timer_2_s are what two watches showed, eggs="2 intact" how a contest flight was judged.
+    Lark rocket=Comet renames a rocket; a flight whose id the other rocket has gets its next free number.
     """
-    from fieldkit.motors.several import tagged
+    from fieldkit.services.renaming import with_free_ids
 
-    settings = split_settings(changes)
+    more = list(takewhile(lambda one: "=" not in one, changes))
+    settings = split_settings(changes[len(more) :] or more[-1:])
+    motors = MotorCheck()
     with open_ledger(context) as ledger:
-        before = ledger.flight(flight)
-        changed = read_settings(settings, MotorCheck(), before)
-        if "motor" in changed:
-            changed = {"tags": tagged(before.with_changes(**changed)).tags} | changed
-        notes: list[BuildNote] = []
-        if changed.keys() & {"rocket", "config"}:
-            from fieldkit.services.manual_entry import as_built
-
-            built, notes = as_built(ledger, before.with_changes(**changed), changed)
-            changed |= {name: getattr(built, name) for note in notes for name in note.columns}
-        after = ledger.edit(flight, **changed)
-        (id,) = ledger.ids([after])
+        before = [ledger.flight(id) for id in ledger.ids_meant([flight, *more])]
+        own, notes = with_free_ids(ledger, before, [_changed(ledger, motors, one, settings) for one in before])
+        what = f"({', '.join(dict.fromkeys(chain(*own)))})"
+        done = ledger.edit_each(dict(zip(ledger.ids(before), own, strict=True)), "edit", what)
+        after = [one.with_changes(**values) for one, values in zip(before, own, strict=True)]
+        for note in notes:
+            complain(f"note: {note}")
+        names = [flight_label(id) for id in ledger.ids(after)]
+        if {*BY_NAME, "motor"} & set(chain(*own)):
+            _remark_changes(ledger, motors, before, after)
     if LIFT_OFF in settings:
-        note_dry_mass(after)
-    for note in notes:
-        complain(f"note: {in_system(note.text, system())}; edit to change")
-    say(
-        f"Changed {flight_label(id)}. `fieldkit undo` to undo."
-        if after != before
-        else f"{flight_label(id, 'Flight')} unchanged"
-    )
+        for one in after:
+            note_dry_mass(one)
+    named = names[0] if len(names) == 1 else counted(done or len(names), "flight")
+    say(f"Changed {named}. `fieldkit undo` to undo." if done else f"{named[0].upper()}{named[1:]} unchanged")
+
+
+def _changed(
+    ledger: "Ledger", motors: MotorCheck, flight: "Flight", settings: "Mapping[str, str]"
+) -> dict[str, object]:
+    """The fields of a flight that settings change; what follows from another rocket or configuration is printed."""
+    from fieldkit.motors.several import tagged
+    from fieldkit.services.manual_entry import as_built
+
+    changed = read_settings(settings, motors, flight)
+    if (rocket := str(changed.get("rocket") or "")) and rocket.casefold() != flight.rocket.casefold():
+        changed["rocket"] = same_name(rocket, ledger.names("rocket"))
+    if "motor" in changed:
+        changed = {"tags": tagged(flight.with_changes(**changed)).tags} | changed
+    if changed.keys() & {"rocket", "config"}:
+        built, notes = as_built(ledger, flight.with_changes(**changed), changed)
+        changed |= {name: getattr(built, name) for note in notes for name in note.columns}
+        for note in notes:
+            complain(f"note: {in_system(note.text, system())}; edit to change")
+    return changed
+
+
+def _remark_changes(
+    ledger: "Ledger", motors: MotorCheck, before: "Sequence[Flight]", after: "Sequence[Flight]"
+) -> None:
+    """Remark on what looks mistyped in changed flights or is excluded from every fit, and was not so before."""
+    from fieldkit.services.manual_entry import usual
+    from fieldkit.services.plausible_flights import exclusions
+
+    known = {*exclusions(before, motors.catalogue), *(doubt for one in before for doubt in doubts(one))}
+    found = [doubt for one in after for doubt in doubts(one, usual(ledger, motors.catalogue, one))]
+    ledger.remark(*(one for one in [*exclusions(after, motors.catalogue), *found] if one not in known))
 
 
 @app.command()
@@ -284,7 +316,9 @@ def remove(
         ),
     ],
 ) -> None:
-    """Remove flights from the ledger. Can be undone."""
+    """Remove flights from the ledger, or all of a rocket, for which its name stands. Can be undone."""
     with open_ledger(context) as ledger:
-        gone = ledger.remove(*flights)
-    say(f"Removed {counted(len(gone), 'flight')}. `fieldkit undo` to undo.")
+        ids = ledger.ids([ledger.flight(id) for id in ledger.ids_meant(flights)])
+        gone = ledger.remove(*ids)
+    named = flight_label(ids[0]) if len(gone) == 1 else counted(len(gone), "flight")
+    say(f"Removed {named}. `fieldkit undo` to undo.")

@@ -79,11 +79,11 @@ def read_settings(
 
     Raises BadValue.
     """
-    from fieldkit.importing.manual_entry import read_changes
+    from fieldkit.importing.manual_entry import date_order, read_changes
     from fieldkit.motors import is_cluster
 
     columns = {name: text for name, text in settings.items() if name != LIFT_OFF}
-    values = read_changes(flight or Flight(), columns)
+    values = read_changes(flight or Flight(), columns, date_order(system()))
     motor = str(values.get("motor", ""))
     if motor and not is_cluster(motor) and (complaint := check_motor(motor)):
         raise BadValue(f"motor: {complaint}")

@@ -42,6 +42,9 @@ USUAL_SD = 0.1
 """Standard deviation of the log ratio of a readout to the median for the same rocket and motor. [1]"""
 MOST_TIMES = 1000
 """Largest ratio that is stated as such. [1]"""
+BUILD_RATIOS = {"dry_mass": PLAUSIBLE_RATIO, "diameter": (0.95, 1.05)}
+"""Ranges of a plan's mass and diameter over those flown last; outside them, a value is mistyped, or the rocket another
+one: a body is measured to a few percent. [1]"""
 SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts that can be around zero, which a ratio cannot check."""
 
@@ -336,6 +339,15 @@ def _times(ratio: float) -> str:
     if not 1 / MOST_TIMES < abs(ratio) < MOST_TIMES:
         return f"more than {MOST_TIMES} times" if abs(ratio) > 1 else f"less than 1/{MOST_TIMES} of"
     return f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
+
+
+def far_from_flown(plan: Flight, flown: Flight) -> Iterator[TextWithAmounts]:
+    """A phrase for the dry mass and the diameter of a plan that are far from those of a flight of the same build."""
+    for name, (low, high) in BUILD_RATIOS.items():
+        value, last, column = plan.number(name), flown.number(name), BY_NAME[name]
+        if value and last and not low <= value / last <= high:
+            other = "; with another tube it is another configuration" if name == "diameter" else ""
+            yield message(f"{_titled(column, value)}, but {of_column(column, last)} in the last flight{other}")
 
 
 def _unusual(column: Column, value: float) -> TextWithAmounts | None:

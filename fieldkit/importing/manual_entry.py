@@ -157,9 +157,9 @@ def _day_in_words(text: str) -> str:
 _DAY_AND_TIME = re.compile(r"(today|yesterday)?(?:(?:^|\s+)((?:[01]?\d|2[0-3]):[0-5]\d))?")
 
 
-def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:
-    """Fields and values of `column=value` changes to a flight. Standard deviations and sources of readouts and extra
-    columns may be changed as well.
+def read_changes(flight: Flight, changes: Mapping[str, str], order: str = "") -> dict[str, object]:
+    """Fields and values of `column=value` changes to a flight, with dates in an `order`, as `date_order` gives it.
+    Standard deviations and sources of readouts and extra columns may be changed as well.
 
     Raises BadValue that names the column.
     """
@@ -177,7 +177,7 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
                 )
                 continue
             field, unit = field_of(name)
-            values[field] = read_answer(field, text, unit)
+            values[field] = read_answer(field, text, unit or (order if field == "date_time" else ""))
         except BadValue as error:
             label = {"date_time": "date", "flight_id": "id"}.get(name, name)
             label = label.replace("_", " ") if name in BY_NAME else label

@@ -137,8 +137,8 @@ class Ledger:
         return done
 
     def edit_each(self, changes: Mapping[str, Mapping[str, object]], command: str, what: str) -> int:
-        """Change fields of several flights, each its own, as one change of a `command`; returns the number of flights
-        changed."""
+        """Change fields of several flights, each its own, as one change of a `command`, which `what` describes after
+        their ids; returns the number of flights changed."""
         with self._changing() as recorder:
             stored = naming.resolve_all(recorder.connection, list(changes))
             done = [
@@ -147,7 +147,7 @@ class Ledger:
                 if book.replace(recorder, one, _edited(one.flight, own))
             ]
             if done:
-                recorder.sign(command, f"{_listed(done)} from {what}")
+                recorder.sign(command, f"{_listed(done)} {what}")
         return len(done)
 
     def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
@@ -263,6 +263,11 @@ class Ledger:
         """
         with self._reading() as connection:
             return naming.resolve(connection, id).flight
+
+    def ids_meant(self, texts: Sequence[str]) -> list[str]:
+        """The ids that typed texts stand for: all flights of a rocket for its name, else the text itself."""
+        with self._reading() as connection:
+            return naming.ids_meant(connection, texts)
 
     def entered(self, id: str) -> Flight | None:
         """A flight as it was imported, None if it was not edited since."""

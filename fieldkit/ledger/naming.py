@@ -7,6 +7,7 @@ from sqlalchemy import Connection, or_, select, tuple_
 
 from fieldkit.errors import LedgerError, nearest
 from fieldkit.ledger.finding import Identity, StoredFlight, find, latest
+from fieldkit.ledger.finding import names as field_names
 from fieldkit.ledger.rows import known_names
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 from fieldkit.quantities import counted
@@ -58,6 +59,22 @@ def _identities_meant(connection: Connection, texts: Collection[str]) -> Iterato
         yield rocket, flight_id
 
 
+def ids_meant(connection: Connection, texts: Sequence[str]) -> list[str]:
+    """The ids that texts stand for: all flights of a rocket for its name, else the text itself."""
+    flown = set(field_names(connection, "rocket", None)) & set(texts)
+    taken = {name for rocket, id in _identities_meant(connection, flown) for name in (id, f"{rocket}/{id}")}
+    found: list[str] = []
+    for text in texts:
+        if text in flown - taken:
+            entered = select(flights.c.flight_id).where(flights.c.rocket == text).order_by(flights.c.entry)
+            own = [(text, id) for id in connection.scalars(entered)]
+            known = ids(connection, own)
+            found += [known[one] for one in own]
+        else:
+            found.append(text)
+    return list(dict.fromkeys(found))
+
+
 def resolve(connection: Connection, id: str) -> StoredFlight:
     """The flight that an id refers to. Raises LedgerError that suggests similar ids, or lists the matches."""
     return resolve_all(connection, [id])[0]
@@ -91,16 +108,22 @@ def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: 
 
 
 def _by_beginning(connection: Connection, id: str) -> Identity:
-    """The only flight whose id begins so. Raises LedgerError that suggests similar ids, or lists those that do."""
+    """The only flight of a rocket, or the only one whose id begins so. Raises LedgerError that suggests similar ids, or
+    lists those that do."""
     everything = [
         (rocket, flight_id)
         for names in connection.execute(select(flights.c.rocket, flights.c.flight_id))
         for rocket, flight_id in [known_names(names)]
     ]
-    named = {name: identity for identity, name in ids(connection, everything).items()}
+    known = ids(connection, everything)
+    named = {name: identity for identity, name in known.items()}
     matches = sorted(name for name in named if name.startswith(id)) if len(id) >= MIN_BEGINNING else []
-    if len(matches) == 1:
-        return named[matches[0]]
+    of_rocket = [name for (rocket, _), name in known.items() if rocket == id]
+    if len(of_rocket) > 1:
+        first = " or ".join(of_rocket[:MAX_LISTED])
+        raise LedgerError(f"{id} is a rocket with {counted(len(of_rocket), 'flight')}, expected one of them: {first}")
+    if len(matches) == 1 or of_rocket:
+        return named[(of_rocket or matches)[0]]
     if matches:
         more = f" or {counted(len(matches) - MAX_LISTED, 'other')}" if len(matches) > MAX_LISTED else ""
         raise LedgerError(f"{id} is ambiguous: {' or '.join(matches[:MAX_LISTED])}{more}")

@@ -24,7 +24,8 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {ejection_in_words(prediction)}"
-    yield f"  Cd        {with_sd(prediction.cd.mean(), prediction.cd.std())}"
+    sized = "" if plan.diameter is not None else ", for a diameter usual at its mass: its own is not given"
+    yield f"  Cd        {with_sd(prediction.cd.mean(), prediction.cd.std())}{sized}"
     thrust = with_sd(prediction.alpha.mean(), prediction.alpha.std())
     yield f"  thrust    {thrust} times the certified (thrust factor, alpha)"
     yield f"  based on  {_rests_on(prediction)}"

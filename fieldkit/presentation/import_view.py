@@ -7,6 +7,7 @@ from fieldkit import units
 from fieldkit.analysis.labels import figure_text
 from fieldkit.flight import BY_NAME, FIGURES_BY_NAME
 from fieldkit.flight.event_names import event_title
+from fieldkit.flight.further import names_a_device, names_a_lot
 from fieldkit.importing.recognize import parsers
 from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of, with_sd
@@ -114,7 +115,8 @@ def in_a_line(one: FileView, system: str = "SI") -> str:
     table also the columns of which only the text is stored."""
     parser = parsers().get(one.format)
     of_flights = parser is not None and parser.maps == "flights"
-    texts = [column.name for column in one.columns if column.source == "text"] if of_flights else []
+    texts = [column.name for column in one.columns if column.source == "text" and not _meaning(column.name)]
+    texts = texts if of_flights else []
     stored = f"; stored as text: {', '.join(map(printable, texts[:MAX_TEXTS]))}" if texts else ""
     more = f" and {len(texts) - MAX_TEXTS} more" if len(texts) > MAX_TEXTS else ""
     return f"{one.file}: {one.title}{_apogees(one, ShownUnits(system))}{stored}{more}"
@@ -163,10 +165,15 @@ def lines(one: FileView, system: str = "SI") -> Iterator[str]:
 
 def _column(one: "ColumnRead") -> str:
     if one.source == "text":
-        return f"{one.name} -> not used, stored as text"
+        return f"{one.name} -> {_meaning(one.name) or 'not used'}, stored as text"
     meant = one.channel.replace("_", " ") or "not used as a channel"
     unit = f" [{spelled(one.unit)}]" if one.unit else ""
     return f"{one.name}{unit} -> {meant}, {one.source}"
+
+
+def _meaning(name: str) -> str:
+    """What a column that is stored as text is used for; empty if for nothing."""
+    return "lot of the motor" if names_a_lot(name) else "altimeter" if names_a_device(name) else ""
 
 
 def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:

@@ -12,7 +12,7 @@ from functools import cache
 from typing import Any, Literal
 
 from fieldkit.errors import UnknownMotor
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Ledger, Past, StoredPrediction
 from fieldkit.motors import Catalogue, Found, Motor
 from fieldkit.quantities import ShownUnits
@@ -30,6 +30,11 @@ from fieldkit.services.provenance import (
     plan_parts,
 )
 
+MAX_MASS_DIFFERENCE = 0.1
+"""A forecast at a mass that differs by more is for another flight: it is 5 to 12% off. [1]"""
+GRAM = 1e-3
+"""[kg]"""
+
 
 def made_for(
     flights: Sequence[Flight], predictions: Sequence[StoredPrediction], motors: Catalogue
@@ -37,9 +42,9 @@ def made_for(
     """The forecast of each flight from before it flew; None if there is none.
 
     The latest forecast that names the flight has priority. Otherwise it is a forecast for the same rocket,
-    configuration and motor from the two weeks before the flight: the one with the most similar mass and conditions,
-    then the latest. Forecasts that used the flight are excluded. A forecast that names no flight is for the next one
-    only: later flights of that setup have none unless another was made.
+    configuration and motor, at a mass within a tenth, from the two weeks before the flight: the one with the most
+    similar mass and conditions, then the latest. Forecasts that used the flight are excluded. A forecast that names no
+    flight is for the next one only: later flights of that setup have none unless another was made.
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
@@ -55,7 +60,9 @@ def made_for(
         candidates = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
         if not candidates and unnamed:
             like = unnamed.get((flight.rocket, flight.config, motor_of(flight.motor)), ())
-            candidates = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
+            candidates = [
+                one for one in like if in_time(one, flight) and not _knew(one, flight) and _of_its_mass(one, flight)
+            ]
             candidates.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
         found.append(candidates[-1] if candidates else None)
     return _once(flights, found)
@@ -90,6 +97,17 @@ def in_time(prediction: StoredPrediction, flight: Flight) -> bool:
 
 def _knew(prediction: StoredPrediction, flight: Flight) -> bool:
     return flight.flight_id in prediction.payload.get("made_from", {}).get("flights", ())
+
+
+def _of_its_mass(prediction: StoredPrediction, flight: Flight) -> bool:
+    """Whether a forecast is for about the mass that flew; one for half of it was a question, or a typing error."""
+    made: SourceDigests | None = prediction.payload.get("made_from")
+    text = made["mass"].get(BY_NAME["dry_mass"].header, "") if made is not None else ""
+    try:
+        planned = float(text) * GRAM if text else None
+    except ValueError:  # saved by another program
+        planned = None
+    return not (planned and flight.dry_mass) or abs(flight.dry_mass / planned - 1) <= MAX_MASS_DIFFERENCE
 
 
 def _differences(prediction: StoredPrediction, flight: Flight, motors: Catalogue) -> int:

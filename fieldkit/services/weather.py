@@ -180,6 +180,6 @@ def fill_ledger(
         ledger.edit_each(
             {id: {name: getattr(one.after, name) for name in names} for id, one in zip(ids, changed, strict=True)},
             "weather",
-            ", ".join(one.file for one in sources),
+            f"from {', '.join(one.file for one in sources)}",
         )
     return found

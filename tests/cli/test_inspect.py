@@ -108,9 +108,12 @@ def test_import_states_format_and_apogee_in_one_line(run: Run) -> None:
 
 def test_import_says_which_columns_of_a_table_no_fit_uses(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "season.csv"
-    table.write_text("Date,Motor,Altitude (ft),Descent,Coach\n2026-09-05,F24-4W,800,41.2,Ann\n", encoding="utf-8")
+    table.write_text(
+        "Date,Motor,Lot,Altitude (ft),Descent,Coach\n2026-09-05,F24-4W,B7,800,41.2,Ann\n", encoding="utf-8"
+    )
     _, out, _ = run("import", table)
-    assert "; stored as text: Descent, Coach" in " ".join(out.split())
+    assert " ".join(out.split()).endswith("; stored as text: Descent, Coach")
+    assert "Lot -> lot of the motor, stored as text" in run("inspect", table).out
 
 
 def test_an_unrecognized_file_is_named_and_makes_the_exit_status_nonzero(run: Run, tmp_path: Path) -> None:

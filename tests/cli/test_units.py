@@ -85,3 +85,14 @@ def test_any_command_in_a_terminal_asks_for_the_units_once(
     run(*arguments)
     assert len(prompts) == asked
     assert not asked or run("units", "--json").document["units"] == "US"
+
+
+def test_with_us_units_a_typed_date_has_the_month_first_and_import_notes_are_in_feet(run: Run, tmp_path: Path) -> None:
+    run("units", "US")
+    table = tmp_path / "t.csv"
+    table.write_text(
+        "flight_id,rocket,motor,dry_mass_g,diameter_mm,apogee_ft\n1,Lark,F24-4W,320,66,9230\n", encoding="utf-8"
+    )
+    assert "apogee of 9230 ft is more than" in run("import", table).err
+    run("edit", "1", "date_time=10/3/2026")
+    assert run("show", "1", "--json").document["date_time"] == "2026-10-03T00:00:00"

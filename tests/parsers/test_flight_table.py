@@ -723,3 +723,32 @@ def test_a_judged_cell_under_another_name_that_cannot_be_read_does_not_cost_the_
     got = imported("rocket,motor,apogee_ft,Time 1\nSwift,F39-6T,801,about 40\nSwift,F39-6T,790,38.1\n")
     assert [one.extra for one in got.flights] == [{"Time 1": "about 40"}, {"timer_1_s": "38.1"}]
     assert got.notes == ("t.csv, row 2: Time 1: found 'about 40', expected seconds such as 38.42: saved as text",)
+
+
+@pytest.mark.parametrize(
+    ("header", "day"),
+    [("Temp (F)", datetime(2024, 6, 7)), ("Temp (C)", None)],
+)
+def test_in_a_table_in_fahrenheit_the_month_comes_first(header: str, day: datetime | None) -> None:
+    got = imported(f"Rocket,Motor,Apogee (ft),Date,{header}\nSwift,C6-5,900,6/7/2024,20\n")
+    assert got.flights[0].date_time == day
+    assert any("--map 'date_time=Date [month/day]' or [day/month]" in note for note in got.notes) == (day is None)
+
+
+@pytest.mark.parametrize(("order", "month"), [("month/day", 6), ("day/month", 7)])
+def test_the_order_of_a_date_can_be_chosen(order: str, month: int) -> None:
+    log = b"Rocket,Motor,Apogee (ft),Date\nSwift,C6-5,900,6/7/2024\n"
+    found = open_log(log, "log.csv", None, [read_choice([f"date_time=Date [{order}]"])]).found
+    (mapped,) = (item for item in found if isinstance(item, Reading))
+    assert mapped.stated["date_time"] == datetime(2024, month, 13 - month)
+
+
+def test_a_time_without_a_unit_is_in_seconds() -> None:
+    got = imported("Rocket,Motor,Apogee (ft),Duration,Delay\nSwift,C6-5,900,41.2,5\n")
+    assert (got.flights[0].duration, got.flights[0].delay) == (41.2, 5)
+
+
+def test_an_apogee_without_a_unit_names_the_column_to_map() -> None:
+    got = imported("Rocket,Motor,Altitude,Duration\nSwift,C6-5,900,41.2\n")
+    assert "--map 'apogee=Altitude [m]'" in got.notes[0]
+    assert "--map 'apogee=Alt [m]' for all rows" in complaint("Motor,Alt", "C6-5,812")

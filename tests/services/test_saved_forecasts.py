@@ -182,6 +182,12 @@ def test_of_several_unnamed_predictions_the_one_for_the_flown_mass_is_paired(led
     assert one.changes_in() == ()
 
 
+def test_a_forecast_at_a_mistyped_mass_is_not_paired(ledger: Ledger) -> None:
+    predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="", dry_mass=0.032)])
+    ledger.add([FLOWN.with_changes(flight_id="7")])
+    assert by_flight(list_forecasts(ledger, catalogue())).get(("Astra", "7")) is None
+
+
 @pytest.mark.parametrize("later", [0, 1], ids=["in order", "typed in reverse"])
 def test_an_unnamed_forecast_is_only_for_the_next_flight(ledger: Ledger, later: int) -> None:
     predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])

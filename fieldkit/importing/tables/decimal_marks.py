@@ -8,6 +8,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column
 from fieldkit.importing.tables.flight_headings import ColumnRole, is_mass, plain
 from fieldkit.importing.tables.text import shown
+from fieldkit.safe_text import printable
 
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none", "?", "unknown", "null")
 """Cells of a column of numbers without a value."""
@@ -47,8 +48,9 @@ def precision(cell: str, column: Column, unit: str) -> float:
     return abs(scale.difference_to_si(10.0 ** -len((digits and digits[1]) or "")))
 
 
-def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
-    """Raise BadValue for a cell with an ambiguous number or unit; `unit` is that of its header, or ""."""
+def check_number(cell: str, column: Column, unit: str, mark: str, spelled: str = "its column") -> None:
+    """Raise BadValue for a cell with an ambiguous number or unit, below a header that is `spelled` so; `unit` is that
+    of the header, or ""."""
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
@@ -56,24 +58,27 @@ def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
     if len(cell) > 40:
         raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
     if not unit and cell[-1].isdigit():
-        whole = f"--map '{column.name}=its column [{column.unit}]' for all rows"
+        whole = f"--map '{column.name}={printable(spelled)} [{column.unit}]' for all rows"
         raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}, or {whole}")
 
 
-def number_of(cell: str, column: Column, unit: str, mark: str) -> float:
-    """The value of a cell; `unit` is that of its header, or "". Raises BadValue. [SI]
+def number_of(cell: str, column: Column, unit: str, mark: str, spelled: str = "its column") -> float:
+    """The value of a cell, below a header that is `spelled` so; `unit` is that of the header, or "". Raises BadValue.
+    [SI]
 
-    A duration may be written in minutes and seconds, `0:43.5`, whatever its header says.
+    A duration may be written in minutes and seconds, `0:43.5`, whatever its header says; a time without a unit is in
+    seconds, because flyers time flights in nothing else.
     In a customary unit a comma before three digits separates thousands, unless the table has decimal commas: those who
     write decimal commas measure in meters.
     """
     if column.quantity == "time" and (minutes := _MINUTES.fullmatch(cell)):
         return 60.0 * int(minutes[1]) + float(minutes[2].replace(",", "."))
+    unit = unit or ("s" if column.quantity == "time" else "")
     thousands = _THOUSANDS.match(cell)
     customary = units.plain(units.typed_unit(cell, unit)) in units.CUSTOMARY_UNITS
     if thousands and thousands[1] == "," != mark and customary:
         cell = cell.replace(",", "")
-    check_number(cell, column, unit, mark)
+    check_number(cell, column, unit, mark, spelled)
     decimal = cell.replace(",", ".") if thousands and thousands[1] == "," else cell
     try:
         return units.parse(decimal, column.quantity, unit)

@@ -5,7 +5,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit import units
 from fieldkit.errors import DamagedLog
+from fieldkit.flight import BY_NAME
 from fieldkit.importing.reading import Note, Parsed, Reading
+from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.importing.tables.flight_headings import ColumnRole, plain, stated_unit
 from fieldkit.importing.tables.text import rows, shown
 from fieldkit.quantities import counted
@@ -122,14 +124,27 @@ def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Parsed]) -> lis
             one for one in found if isinstance(one, Reading) and heading.spelled in one.extra and _lacks(one, heading)
         ]
         if kept:
-            number = f"a number in {heading.unit}" if heading.unit else "a number with its unit"
-            of_field = "a date such as 2026-05-01" if heading.field == "date_time" else number
-            expected = _EXPECTED.get(heading.kept_as, of_field)
-            cell = shown(kept[0].extra[heading.spelled])
+            number = f"a number in {heading.unit}" if heading.unit else _expected_number(heading)
+            first = kept[0].extra[heading.spelled]
+            of_field = _expected_date(first, heading.spelled) if heading.field == "date_time" else number
+            expected, cell = _EXPECTED.get(heading.kept_as, of_field), shown(first)
             times = f", and {counted(len(kept) - 1, 'more cell')}" if len(kept) > 1 else ""
             column = printable(heading.spelled)
             notes.append(Note(f"{column}: found {cell}{times}, expected {expected}: saved as text", kept[0].row))
     return notes
+
+
+def _expected_number(heading: ColumnRole) -> str:
+    """What a cell without a unit should be, and how to state the unit for all of them."""
+    column = BY_NAME.get(heading.field)
+    map_as = f", or --map '{heading.field}={printable(heading.spelled)} [{column.unit}]'" if column else ""
+    return f"a number with its unit{map_as}"
+
+
+def _expected_date(cell: str, spelled: str) -> str:
+    """What a cell with a date should be; for one that lacks only the order of month and day, how to state it."""
+    map_as = f", or --map 'date_time={printable(spelled)} [month/day]' or [day/month]"
+    return "a date such as 2026-05-01" + (map_as if date_of(cell, day_first=True) else "")
 
 
 def _lacks(one: Reading, heading: ColumnRole) -> bool:

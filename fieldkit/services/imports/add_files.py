@@ -268,14 +268,14 @@ def _implausible(incoming_flights: Sequence[IncomingFlight], motors: Catalogue) 
     """A line for each new flight that is implausible."""
     for one in incoming_flights:
         for line in implausible_flights([one.flight], motors):
-            yield str(DamagedLog(line, row=one.row, source=one.source))
+            yield message(marked(DamagedLog(line, row=one.row, source=one.source)))
 
 
 def _excluded_readouts(incoming_flights: Sequence[IncomingFlight], motors: Catalogue) -> Iterator[str]:
     """A line for each readout of a new flight that cannot be a measurement."""
     for one in incoming_flights:
         for line in excluded_readouts([one.flight], motors):
-            yield str(DamagedLog(line, row=one.row, source=one.source))
+            yield message(marked(DamagedLog(line, row=one.row, source=one.source)))
 
 
 def _beside_others(
@@ -298,8 +298,8 @@ def _outlying(
     """A line for each new flight that is far from the others of its rocket on the same motor."""
     known = {flight.flight_id: flight for flight in there} | {name: one.flight for name, one in new.items()}
     for name, phrase in outlying(list(known.values()), new, motors):
-        one = new[name]
-        yield str(DamagedLog(f"{flight_label(name)} of {rocket}: {phrase}; check it", row=one.row, source=one.source))
+        one, line = new[name], message(f"{flight_label(name)} of {rocket}: {marked(phrase)}; check it")
+        yield message(marked(DamagedLog(line, row=one.row, source=one.source)))
 
 
 def _corrected(rocket: str, there: Sequence[Flight], new: Mapping[str, IncomingFlight]) -> Iterator[str]:
