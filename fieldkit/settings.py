@@ -21,6 +21,8 @@ CERTIFICATIONS = (0, 1, 2, 3)
 """Levels of certification; 0 is none."""
 BIRTH = r"(19|20)\d\d(-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01]))?"
 """The pattern of a year or a date of birth."""
+MOST_IN_BOX = 1000
+"""Largest number of one motor in a range box. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,7 +47,7 @@ def finals(
     """Find the mass and parachute for each target that the finals of the American Rocketry Challenge (TARC) may
     announce."""
     from fieldkit.planning.contest import rule_of
-    from fieldkit.planning.contest_day import read_window
+    from fieldkit.planning.contest_day import read_targets, read_window
     from fieldkit.planning.contest_limits import allowed
     from fieldkit.planning.finals import finals_plan
     from fieldkit.presentation.finals_text import (
@@ -60,7 +60,7 @@ def finals(
         finals_rows,
     )
 
-    announced, between = read_window(window) if window else None, read_window(targets) if targets else None
+    announced, between = read_window(window) if window else None, read_targets(targets) if targets else None
     if card is not None:
         from fieldkit.presentation.report.finals_card import check_card
         from fieldkit.presentation.report.plan_pages import finals_card_of

@@ -23,7 +23,6 @@ from fieldkit.cli.planning import (
 from fieldkit.cli.screen import complain, progress, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import ForceOption, settled
-from fieldkit.errors import BadValue
 from fieldkit.flight import CONDITIONS as CONDITION_COLUMNS
 from fieldkit.flight import MOTOR_TEMPERATURE
 from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, recovery_header
@@ -83,8 +82,6 @@ def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> It
     check = MotorCheck()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
         rows = planned_table(table, check.catalogue.complaint_of_several)
-        if not rows:
-            raise BadValue(f"{table.name}: found no planned flights, expected a row for each")
         plans = []
         for number, row in enumerate(rows):
             on_progress(f"{row.rocket or row.flight_id}", number / len(rows))

@@ -93,14 +93,15 @@ MOST_PLANS = 200
 
 
 def planned_table(file: Path, check: Callable[[str], str | None]) -> "list[Flight]":
-    """The planned flights of a table. Raises DamagedLog for the first bad row, or for more than `MOST_PLANS`."""
+    """The planned flights of a table. Raises DamagedLog for the first bad row, for none, or for more than
+    `MOST_PLANS`."""
     from fieldkit.importing.read import read_plans
     from fieldkit.services.imports import read_file
 
     plans = read_plans(read_file(file), str(file), check)
-    if len(plans) > MOST_PLANS:
-        found = f"found {len(plans)} planned flights, expected at most {MOST_PLANS} at a time; split the table"
-        raise DamagedLog(found, source=str(file))
+    if not 0 < len(plans) <= MOST_PLANS:
+        expected = f"expected at most {MOST_PLANS} at a time; split the table" if plans else "expected a row for each"
+        raise DamagedLog(f"found {len(plans) or 'no'} planned flights, {expected}", source=str(file))
     return plans
 
 

@@ -25,9 +25,19 @@ class Day:
 
 def read_window(text: str) -> tuple[float, float]:
     """Parse the announced window of durations, typed as `37-40`. Raises BadValue. [s]"""
-    wanted = BadValue(f"found {text!r}, expected seconds, the lower first, such as 37-40")
+    return _range(text, "seconds, the lower first, such as 37-40", " s")
+
+
+def read_targets(text: str) -> tuple[float, float]:
+    """Parse the lowest and the highest target that may be announced, typed as `775-825`. Raises BadValue. [ft]"""
+    return _range(text, "feet, the lower first, such as 775-825", " ft")
+
+
+def _range(text: str, expected: str, unit: str) -> tuple[float, float]:
+    """Two numbers with a dash between them. Raises BadValue. [their unit]"""
+    wanted = BadValue(f"found {text[:40]!r}, expected {expected}")
     try:
-        low, high = (float(part.strip(" s")) for part in text.split("-"))
+        low, high = (float(part.strip(unit)) for part in text.split("-"))
     except ValueError:
         raise wanted from None
     if not 0 <= low < high < 1e4:

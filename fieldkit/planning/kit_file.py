@@ -7,6 +7,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue, unknown
 from fieldkit.files import read_own, replace, toml_of
+from fieldkit.flight.limits import check_name
 from fieldkit.planning.kits import KIT_KEYS, LARGEST_FIGURE, Kit, read_kits
 
 _OWN_LINE = re.compile(rf"\s*(?:{'|'.join(KIT_KEYS)})\s*=")
@@ -19,6 +20,7 @@ def put_kit(file: Path, kit: Kit, was: str = "") -> None:
     kits = read_kits(file)
     if not kit.name.strip() or not kit.name.isprintable():
         raise BadValue(f"found the name {kit.name!r}, expected a name such as Big Bertha")
+    check_name(kit.name)
     if kit.name.casefold() != was.casefold() and kit.name.casefold() in kits:
         raise BadValue(f"found another kit {kits[kit.name.casefold()].name!r}, expected a new name")
     known = zip(KIT_KEYS, kit.figures, strict=True)

@@ -6,12 +6,10 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.planning.rules import governing, known_rules, read_authorities
 from fieldkit.quantities import ShownUnits
-from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, Settings
+from fieldkit.settings import BIRTH, CERTIFICATIONS, MOST_IN_BOX, BoxedMotors, Settings
 
 LONGEST_RAIL = 30.0
 """A rod or rail from here on is a typing error. [m]"""
-MOST_IN_BOX = 1000
-"""Largest number of one motor in a box. [1]"""
 _BOXED = re.compile(
     r"(?:(?P<count>\d{1,4})\s*[x×]\s*)?(?P<motor>\S(?:.*?\S)?)(?:\s+lot\s+(?P<lot>\S+))?", re.IGNORECASE
 )

@@ -11,14 +11,15 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.flight.limits import check_name
 from fieldkit.motors.lots import recorded_lot
 from fieldkit.motors.search import with_delays
 from fieldkit.motors.several import each_motor
 from fieldkit.paths import data_file
 from fieldkit.planning.delay import obtainable
-from fieldkit.settings import BoxedMotors
+from fieldkit.settings import MOST_IN_BOX, BoxedMotors
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -121,7 +122,11 @@ def recounted(box: Sequence[BoxedMotors], shown: Box, saved: Box) -> Box:
 
 
 def counted_now(one: BoxedMotors) -> BoxedMotors:
-    """An entry counted now, from which flights from now on are subtracted."""
+    """An entry counted now, from which flights from now on are subtracted. Raises BadValue for more than a box holds,
+    and for a lot that no table can show."""
+    check_name(one.lot)
+    if one.count > MOST_IN_BOX:
+        raise BadValue(f"found {one.count:.4g} motors, expected at most {MOST_IN_BOX}")
     return replace(one, counted=datetime.now().isoformat(timespec="minutes"))
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
-from fieldkit.flight.limits import check
+from fieldkit.flight.limits import check, check_name
 from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger import Ledger
 from fieldkit.messages import amount, marked, message
@@ -36,8 +36,10 @@ def site_of(ledger: Ledger, name: str) -> Site:
 
 def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:
     """Save the given properties of a site, `SITE_LENGTHS` [m] and its rules, and leave the others unchanged. Raises
-    BadValue for an elevation that no site has, or a length that is not above zero and below `MAX_LENGTH`.
+    BadValue for a name that no table can show, an elevation that no site has, or a length that is not above zero and
+    below `MAX_LENGTH`.
     """
+    check_name(name)
     changes: dict[str, Any] = {key: value for key, value in lengths.items() if value is not None}
     changes |= {} if rules is None else {"rules": rules}
     try:

@@ -9,6 +9,7 @@ block others.
 """
 
 import asyncio
+import errno
 import hmac
 import ipaddress
 import json
@@ -139,9 +140,11 @@ async def _accepted(sockets: list[socket.socket], handler: Callable[[], asyncio.
 @contextmanager
 def _sockets(host: str, port: int) -> Iterator[list[socket.socket]]:
     """Listening sockets for every address of a host."""
-    found = dict.fromkeys(
-        (family, where[0]) for family, _, _, _, where in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-    )
+    try:
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+    except UnicodeError as error:  # no name of a computer has such letters, or as many
+        raise OSError(errno.EINVAL, "no computer has this name") from error
+    found = dict.fromkeys((family, where[0]) for family, _, _, _, where in addresses)
     sockets: list[socket.socket] = []
     try:
         for family, name in found:

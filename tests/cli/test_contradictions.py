@@ -106,5 +106,8 @@ def test_the_plans_of_a_table_are_counted(command: str, folder: Path, run: Run) 
     """Each is simulated, and drawn on a day sheet: thousands took a quarter of an hour."""
     header, row, _ = PLANS.split("\n")
     (folder / "many.csv").write_text("\n".join([header, *[row.replace("a", str(n), 1) for n in range(201)]]))
+    (folder / "none.csv").write_text(header)
+    error = run(*command.split(), "--flights", "none.csv", status=1).err
+    assert "none.csv: found no planned flights, expected a row for each" in error
     error = run(*command.split(), "--flights", "many.csv", status=1).err
     assert "many.csv: found 201 planned flights, expected at most 200 at a time" in error

@@ -264,3 +264,25 @@ def test_a_flight_beside_a_damaged_one_is_not_shown_without_its_comparison(fille
         raw.execute("UPDATE flights SET apogee = 101.0 WHERE flight_id = '1'")
     message = filled("show", "2", status=1).err
     assert "the file is damaged (a row of 1 of" in " ".join(message.split())
+
+
+@pytest.mark.parametrize(
+    ("command", "found"),
+    [
+        (["sites", "x" * 5000, "--elevation", "5m"], "of length 5000, expected at most 200 characters"),
+        (["kits", "x" * 5000, "--dry-mass", "80g", "--diameter", "40mm"], "of length 5000, expected at most 200 char"),
+        (
+            ["flyer", "--motor", "C6-5", "--count", "1", "--lot", "x" * 5000],
+            "of length 5000, expected at most 200 char",
+        ),
+        (["flyer", "--motor", "C6-5", "--count", "9" * 20], "found 1e+20 motors, expected at most 1000"),
+        (["finals", "--season", "2026", "--motor", "F24-4W", "--targets", "825-775"], "expected feet, the lower first"),
+        (["serve", "--host", "x" * 5000], "cannot listen there (no computer has this name)"),
+    ],
+    ids=lambda one: one[0] if isinstance(one, list) else "",
+)
+def test_a_name_or_a_number_that_nothing_has_is_refused_before_it_is_saved(
+    command: list[str], found: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--ledger", str(tmp_path / "ledger.db"), *command]) == 1
+    assert found in " ".join(capsys.readouterr().err.split())
