@@ -53,7 +53,7 @@ def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
     else:
         raise OSError(errno.EINVAL, "a pipe or a device, not a plain file")
     if content is None:
-        raise OSError(errno.EFBIG, f"more than {most >> 20} MiB")
+        raise OSError(errno.EFBIG, f"more than {most >> 20} MiB" if most >> 20 else f"more than {most >> 10} KiB")
     return content
 
 

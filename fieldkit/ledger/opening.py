@@ -11,7 +11,7 @@ from pathlib import Path
 
 from sqlalchemy import Connection, Engine, create_engine, event, func, select
 from sqlalchemy.engine import URL
-from sqlalchemy.exc import ArgumentError, NoSuchModuleError
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError, UnusableLedger
@@ -82,7 +82,11 @@ def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
     with explained(engine), engine.execution_options(writes=True).connect() as connection:
         yield connection
         if keep:
-            connection.commit()
+            try:
+                connection.commit()
+            except DBAPIError:
+                connection.invalidate()  # SQLAlchemy would keep it with its transaction open, and the ledger locked
+                raise
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from fieldkit.errors import BadValue, unknown
 from fieldkit.files import read_toml
 from fieldkit.motors.motor import Motor
+from fieldkit.planning.toml_values import problem_in
 
 KIT_KEYS = ("dry_mass_g", "diameter_mm", "mount_mm")
 """The figures of a kit in the file."""
@@ -38,7 +39,7 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
     try:
         tables = read_toml(file)
     except (ValueError, OSError) as error:
-        raise BadValue(f"{file.name}: found {error}, expected TOML") from error
+        raise BadValue(f"{file.name}: found {problem_in(error)}, expected TOML") from error
     kits = {}
     for name, table in tables.items():
         if not isinstance(table, dict):

@@ -9,6 +9,7 @@ from typing import Any
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.files import read_toml
+from fieldkit.planning.toml_values import problem_in
 
 OWN_NAMES = ("wind", "angle")
 """Bounds that only a user's own file sets, in addition to those of the rule sets."""
@@ -58,7 +59,7 @@ def _read(file: Path) -> dict[str, Limit]:
     try:
         tables = read_toml(file)
     except (ValueError, OSError) as error:
-        raise BadValue(f"{file.name}: found {error}, expected TOML") from error
+        raise BadValue(f"{file.name}: found {problem_in(error)}, expected TOML") from error
     return {name: _limit(file, name, table) for name, table in tables.items()}
 
 

@@ -192,7 +192,7 @@ def _read(file: Path, changed: int) -> RuleSet:
     try:
         table = read_toml(file)
     except (ValueError, OSError) as error:
-        raise BadValue(f"{file.name}: found {error}, expected a set of rules in TOML") from error
+        raise BadValue(f"{file.name}: found {problem_in(error)}, expected a set of rules in TOML") from error
     try:
         return _rule_set(file.stem, table)
     except (KeyError, TypeError, ValueError, AttributeError) as error:

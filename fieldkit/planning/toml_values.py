@@ -44,5 +44,8 @@ def texts(values: object, name: str) -> tuple[str, ...]:
 
 
 def problem_in(error: Exception) -> str:
-    """What an error while reading a file found, for a message: a missing key, or the wrong value."""
+    """What an error while reading a file found, for a message: a missing key, the wrong value, or why it cannot be
+    read."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
     return f"no {error.args[0]}" if isinstance(error, KeyError) and error.args else str(error)

@@ -614,3 +614,20 @@ def test_backups_that_do_not_exist_are_named_as_such(tmp_path: Path, capsys: pyt
     Ledger.open(file).close()
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 1
     assert "has no backups yet" in capsys.readouterr().err
+
+
+def test_a_commit_that_waits_in_vain_for_a_reader_leaves_nothing_locked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As while another process reads a long ledger: the change is refused, and the next one and other processes work."""
+    monkeypatch.setattr(opening, "PATIENCE", 0.05)
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger, Ledger.open(file) as other:
+        ledger.add([FIRST])
+        with ledger._reading() as connection:
+            connection.exec_driver_sql("SELECT * FROM flights").fetchone()
+            with pytest.raises(LedgerError, match="another program has locked it"):
+                other.add([FIRST.with_changes(flight_id="2", apogee=212.0)])
+            assert len(other.flights()) == len(ledger.flights()) == 1
+        other.add([FIRST.with_changes(flight_id="3", apogee=213.0)])
+        assert [one.flight_id for one in ledger.flights()] == [FIRST.flight_id, "3"]

@@ -128,3 +128,11 @@ def test_a_file_that_cannot_be_changed_line_by_line_is_not_changed(what: str, tm
         after = tomllib.loads(file.read_text(encoding="utf-8"))
         kept = {key: value for key, value in before.items() if key not in KIT_KEYS}
         assert after in ({}, {"a": {**kept, "dry_mass_g": 80.0}}, {"c": {**kept, "diameter_mm": 50.0}})
+
+
+def test_a_file_that_is_too_large_is_named_with_its_limit(tmp_path: Path) -> None:
+    """Its limit is below a megabyte, which was printed as 0, after the number of the error."""
+    file = tmp_path / "kits.toml"
+    file.write_text("# kit\n" * 500_000)
+    with pytest.raises(BadValue, match=r"kits.toml: found more than [1-9]\d* KiB, expected TOML"):
+        read_kits(file)
