@@ -223,6 +223,8 @@ def _beside(opened: ParsedLog, others: Sequence[str]) -> ParsedLog:
     if not others:
         return opened
     names = ", ".join(map(shown, others[:MOST_LACKING]))
+    if len(others) > MOST_LACKING:
+        names += f" and {len(others) - MOST_LACKING} more"
     note = Note(
         f"only one sheet is read; {names} also {'holds' if len(others) == 1 else 'hold'} a table: save it as CSV"
     )

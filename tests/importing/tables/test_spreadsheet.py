@@ -84,6 +84,11 @@ def test_a_second_sheet_with_a_table_is_named() -> None:
     assert any("only one sheet is read; 'fall' also holds a table" in note for note in found.notes)
 
 
+def test_many_sheets_with_tables_are_counted() -> None:
+    found = read(book(".xlsx", **{f"s{number}": FLIGHTS for number in range(9)}), "table.xlsx", any_motor)
+    assert any("'s1', 's2', 's3', 's4' and 4 more also hold a table" in note for note in found.notes)
+
+
 def test_another_zip_archive_is_not_a_spreadsheet() -> None:
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
