@@ -10,7 +10,7 @@ from sqlalchemy import ColumnElement, Connection, Select, func, select, tuple_
 
 from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights
-from fieldkit.ledger.rows import Row, flight_of, known_names
+from fieldkit.ledger.rows import DamagedRow, Row, flight_of, known_names
 from fieldkit.ledger.tables import IS_EDITED, MAX_ROWS_BY_NAME, flights, tags
 from fieldkit.safe_text import whole_number
 
@@ -139,6 +139,23 @@ def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
     column = flights.c[field]
     query = select(column).where(column != "").group_by(column).order_by(func.max(flights.c.entry).desc())
     return known_names(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
+
+
+def rockets_flown(connection: Connection) -> list[str]:
+    """Every rocket, that of the latest flight first; one without any date comes last. Raises DamagedRow."""
+    flown = func.max(flights.c.date_time).desc().nulls_last(), func.max(flights.c.entry).desc()
+    return known_names(connection.scalars(select(flights.c.rocket).group_by(flights.c.rocket).order_by(*flown)))
+
+
+def elevations(connection: Connection) -> dict[str, float]:
+    """The elevation of every site in the flights, as recorded latest. [m] Raises DamagedRow."""
+    known = select(flights.c.site, flights.c.site_elevation).where(flights.c.site_elevation.is_not(None))
+    rows = connection.execute(known.order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry))
+    found = {row.site: row.site_elevation for row in rows}
+    known_names(found)
+    if not all(isinstance(elevation, float) for elevation in found.values()):
+        raise DamagedRow("found an elevation that is no number")
+    return found
 
 
 def latest(connection: Connection, rocket: str | None, config: str | None) -> Flight | None:

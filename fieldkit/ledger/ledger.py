@@ -303,6 +303,16 @@ class Ledger:
         with self._reading() as connection:
             return finding.names(connection, field, rocket)
 
+    def rockets_flown(self) -> list[str]:
+        """Every rocket in the flights, that of the latest flight first; one without any date comes last."""
+        with self._reading() as connection:
+            return finding.rockets_flown(connection)
+
+    def elevations(self) -> dict[str, float]:
+        """The elevation of every site in the flights, as recorded latest. [m]"""
+        with self._reading() as connection:
+            return finding.elevations(connection)
+
     def latest(self, rocket: str | None = None, config: str | None = None) -> Flight | None:
         """The most recently entered flight, whose setup the next one probably shares."""
         with self._reading() as connection:

@@ -98,17 +98,22 @@ def _fleet(ledger: Ledger, motors: Catalogue, made_with: str) -> _Fleet:
 
 def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight, Found]]]:
     """The flights used in the fit, by rocket: at most `MAX_ROCKETS`, those flown latest, which a remark says."""
-    used = [one for one in followed(ledger.flights(), motors) if one[0].clean and one[0].readouts()]
-    every = list(dict.fromkeys(flight.rocket for flight, _ in reversed(used)))
-    if len(every) > MAX_ROCKETS:
-        ledger.remark(
-            f"of {counted(len(every), 'rocket')} the {MAX_ROCKETS} flown latest inform forecasts of the others"
-        )
-    kept, found = set(every[:MAX_ROCKETS]), dict[str, list[tuple[Flight, Found]]]()
-    for flight, motor in used:
-        if flight.rocket in kept:
+    every, found = ledger.rockets_flown(), dict[str, list[tuple[Flight, Found]]]()
+    if len(every) <= MAX_ROCKETS:
+        for flight, motor in _used(ledger.flights(), motors):
             found.setdefault(flight.rocket, []).append((flight, motor))
+        return found
+    for rocket in every:
+        if used := _used(ledger.flights(rocket), motors):
+            found[rocket] = used
+        if len(found) == MAX_ROCKETS:
+            break
+    ledger.remark(f"of {counted(len(every), 'rocket')} the {len(found)} flown latest inform forecasts of the others")
     return found
+
+
+def _used(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
+    return [one for one in followed(flights, motors) if one[0].clean and one[0].readouts()]
 
 
 def _rocket_fit(

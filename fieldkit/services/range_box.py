@@ -113,7 +113,7 @@ def _taken(flight: Flight, entries: Sequence[_Entry], left: Sequence[int], motor
 
 def recounted(box: Sequence[BoxedMotors], shown: Box, saved: Box) -> Box:
     """A box as edited, when `shown` were its contents: entries that were not edited stay as `saved`, with their time of
-    counting, the others are counted now."""
+    counting, the others are counted now. Raises BadValue as `counted_now`."""
     unchanged = dict(zip(shown, saved, strict=True))
     return tuple(
         next((saved for seen, saved in unchanged.items() if replace(seen, counted="") == one), counted_now(one))

@@ -21,7 +21,7 @@ def sites(ledger: Ledger) -> list[Site]:
     """Every site in a flight or saved, the most recent first."""
     saved = ledger.draft(SITES) or {}
     names = dict.fromkeys([*ledger.names("site"), *saved])
-    flown = {flight.site: flight.site_elevation for flight in ledger.flights() if flight.site_elevation is not None}
+    flown = ledger.elevations()
     return [Site(name, **{"elevation": flown.get(name)} | saved.get(name, {})) for name in names if name]
 
 

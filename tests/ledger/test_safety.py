@@ -590,7 +590,7 @@ def test_a_ledger_of_foreign_make_is_refused(statement: str, found: str, tmp_pat
         Ledger.open(file)
 
 
-@pytest.mark.parametrize("column", ["rocket", "flight_id", "config", "motor", "site"])
+@pytest.mark.parametrize("column", ["rocket", "flight_id", "config", "motor", "site", "site_elevation"])
 @pytest.mark.parametrize("value", ["x'ff'", "x'41'"])
 def test_a_name_that_is_no_text_is_a_line_of_every_command(
     column: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -602,7 +602,9 @@ def test_a_name_that_is_no_text_is_a_line_of_every_command(
         raw.execute(f"UPDATE flights SET {column} = {value}")
         raw.commit()
     plan = ["--rocket", FIRST.rocket, "--motor", "F24-4W", "--quick"]
-    for command in (["flights"], ["show", "1"], ["show", "x"], ["loop", *plan[:2], "--quick"], ["predict", *plan]):
+    listed = [["sites"]] if column.startswith("site") else []
+    shown = [["flights"], ["show", "1"], ["show", "x"], ["loop", *plan[:2], "--quick"], ["predict", *plan]]
+    for command in shown + listed:
         assert main(["--ledger", str(file), *command]) == 1
         message = capsys.readouterr().err
         assert "the file is damaged" in message or "no flight" in message
@@ -619,7 +621,7 @@ def test_backups_that_do_not_exist_are_named_as_such(tmp_path: Path, capsys: pyt
 def test_a_commit_that_waits_in_vain_for_a_reader_leaves_nothing_locked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As while another process reads a long ledger: the change is refused, and the next one and other processes work."""
+    """As while another process reads a long ledger: the change is refused, the next one and other processes work."""
     monkeypatch.setattr(opening, "PATIENCE", 0.05)
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger, Ledger.open(file) as other:

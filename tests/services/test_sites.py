@@ -1,0 +1,33 @@
+"""Launch sites have the elevation of their latest flights, and the rockets flown latest are known, without reading them
+all."""
+
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.services.sites import sites
+
+pytestmark = pytest.mark.fast
+FLOWN = [
+    ("1", "Lark", datetime(2026, 5, 2), "Moor", 440.0),
+    ("2", "Wren", datetime(2026, 5, 1), "Moor", 430.0),
+    ("3", "Kite", None, "Fen", 3.0),
+    ("4", "Wren", datetime(2026, 5, 3), "Moor", None),
+    ("5", "Lark", None, "Heath", None),
+]
+
+
+def test_a_site_has_the_elevation_of_its_latest_flight(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add(
+            [Flight(id, rocket, date_time=at, site=site, site_elevation=up) for id, rocket, at, site, up in FLOWN]
+        )
+        flights = ledger.flights()
+        monkeypatch.setattr(Ledger, "flights", None)
+        assert {one.name: one.elevation for one in sites(ledger)} == {"Heath": None, "Moor": 440.0, "Fen": 3.0}
+        latest = {one.site: one.site_elevation for one in flights if one.site_elevation is not None}
+        assert ledger.elevations() == latest
+        assert ledger.rockets_flown() == ["Wren", "Lark", "Kite"]
