@@ -11,6 +11,7 @@ from fieldkit.analysis.channels import Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.records import Figure
 from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.physics.peak_window import PEAK_WINDOW
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
@@ -43,9 +44,9 @@ between neighboring samples: mean and standard deviation over the motors of the 
 with each impulse class weighted equally (a test recomputes it). [1]"""
 _MAX_LATE_START = 0.05
 """How long after lift-off a log may start and still have recorded the peak, which ignition may cause. [s]"""
-_WINDOW, _SPARSE_INTERVAL = 0.05, 0.7
-"""Averaging window of the peak acceleration [s]. In a log too sparse for three samples in it, the peak lies between
-their mean and a single sample; at intervals above this fraction of it, not even there. [1]"""
+_SPARSE_INTERVAL = 0.7
+"""In a log too sparse for three samples in the averaging window, the peak lies between their mean and a single sample;
+at intervals above this fraction of it, not even there. [1]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
 _FAST_FRACTION = 0.5
@@ -59,7 +60,7 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
     """
     inside = (ascent.time >= begin) & (ascent.time <= burnout)
     if push is not None:
-        beside = max(_WINDOW, median_step(push.time))
+        beside = max(PEAK_WINDOW, median_step(push.time))
         there = (push.time >= begin - beside) & (push.time <= burnout + beside)
         level = levelled(push, begin)
         if there.sum() >= 8 and level is not None:
@@ -100,7 +101,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     """
     value, coarse = _highest(net, median_step(time))
     scale = np.hypot(_SCALE, (push.scale - 1) / 2)
-    blurred = push.blur / max(float(np.ptp(time)), _WINDOW)
+    blurred = push.blur / max(float(np.ptp(time)), PEAK_WINDOW)
     sd = np.sqrt((scale * value) ** 2 + (blurred * value) ** 2 + 0.5**2 + coarse**2)
     return Figure(value, float(sd), push.source) if value > 2 * sd else None
 
@@ -108,12 +109,12 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
 def _highest(net: Float[Array, "time"], step: float) -> tuple[float, float]:
     """The highest mean over the window of samples at an interval [s], and its error from the interval. [m/s^2]"""
     highest = float(net.max())
-    if step > _SPARSE_INTERVAL * _WINDOW:
+    if step > _SPARSE_INTERVAL * PEAK_WINDOW:
         steps, means, sds = np.array(BEYOND_SAMPLES).T
         mean, sd = (float(np.interp(step, steps, one)) * float(np.abs(np.diff(net)).max()) for one in (means, sds))
         return highest + mean, sd
-    middle = float(running_median(net, max(3, round(_WINDOW / step)) | 1).max())
-    if 3 * step <= _WINDOW:
+    middle = float(running_median(net, max(3, round(PEAK_WINDOW / step)) | 1).max())
+    if 3 * step <= PEAK_WINDOW:
         return middle, 0.0
     return (middle + highest) / 2, (highest - middle) / 2  # three samples are too long, and one may be noise
 

@@ -28,6 +28,9 @@ MISREAD_LOG_SD = 1.2
 """The same for an error of a readout: from one digit to feet for meters. [1]"""
 OTHER_MOTOR_SD = 0.35
 """Standard deviation of the log impulse, and of the log burn time, of a motor other than the one recorded. [1]"""
+OTHER_PEAK_SD = 0.35
+"""Standard deviation of the log ratio of the peak accelerations of two motors with equal impulse and burn time, in one
+impulse class of the catalog (a test recomputes it). [1]"""
 DEGREES_OF_LAUNCH_ANGLE = 5.0
 """Launch angle of one unit of `tilt`, which is its square. [deg]"""
 EJECT_ERROR = 5.0
@@ -145,9 +148,10 @@ def _simulated(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
         for kind, amount in own.items():
             scatter[kind][end - len(strength) : end] = amount[:, None]
     shifts = np.split(_shift(model, at, values, scatter), ends[:-1])
+    peak = np.where(np.array(OBSERVED_READOUTS) == "peak_accel", OTHER_PEAK_SD, 0.0)
     whole = {name: np.logaddexp.reduce(np.concatenate([w for own, *_, w in rows if own == name])) for name, *_ in rows}
     return [
-        _row(name, strength[:, None], shift, (weight - whole[name])[:, None])
+        _row(name, strength[:, None], shift, (weight - whole[name])[:, None], peak * (name == "other_motor"))
         for (name, strength, _, weight), shift in zip(rows, shifts, strict=True)
     ]
 
@@ -245,19 +249,21 @@ def _row(
     strength: Float[Array, "strength #flight"],
     shift: Float[Array, "strength flight readout"],
     log_fraction: Float[Array, "strength #flight"],
+    spread: Float[Array, "readout"] | float = 0.0,
 ) -> Signatures:
-    """Strengths of a cause that follow each other, with the log fraction of the cause's prior that each has.
+    """Strengths of a cause that follow each other, with the log fraction of the cause's prior that each has, and the
+    `spread` of the readouts under each [1] or [s].
 
     A point of the grid stands for the interval to the middle of its neighbors, in which the readouts are linear: the
     standard deviation of a uniform distribution is its width over the square root of twelve.
     """
     with np.errstate(invalid="ignore"):
-        spread = np.gradient(shift, axis=0) / np.sqrt(12.0)
+        within = np.hypot(np.gradient(shift, axis=0) / np.sqrt(12.0), spread)
     flights = shift.shape[1]
     return Signatures(
         np.full(len(shift), NAMES.index(name)),
         np.broadcast_to(strength, (len(shift), flights)),
         shift,
-        spread,
+        within,
         np.broadcast_to(log_fraction + np.log(CAUSES[name].prevalence), (len(shift), flights)),
     )

@@ -14,7 +14,15 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.sources import has_log
 from fieldkit.physics.effect import Effect
-from fieldkit.physics.logged import burn_impulse, climbed_drag, climbed_impulse, climbed_peak, coast_drag
+from fieldkit.physics.logged import (
+    burn_impulse,
+    climbed_drag,
+    climbed_impulse,
+    climbed_peak,
+    coast_drag,
+    felt_peak,
+    highest_mean,
+)
 from fieldkit.physics.setups import in_other_weather
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import FORECAST_RESOLUTION, Resolution
@@ -43,6 +51,8 @@ def shown(
     setup, readings_bends = _bent_setup(model, values, scatter)
     flown = fly_unique(setup)
     readings: Mapping[str, Any] = flown.readouts()
+    peak_part = model.history.once("peak part", lambda: _peak_part(model))
+    readings = {**readings, "peak_accel": felt_peak(readings["peak_accel"], peak_part)}
     for name, climbed in (("top_speed", flown.top_climb), ("peak_accel", climbed_peak(flown))):
         readings = {**readings, name: np.where(_by(model, name, *HEIGHT_SENSORS), climbed, readings[name])}
     by_pressure = _by(model, "top_speed", "baro", "baro+accel") & (flown.apogee > 0)
@@ -79,6 +89,14 @@ def _by(model: Model, name: str, *sensors: str) -> Flags:
     those of satellites are true, while an altimeter assumes the standard atmosphere, in speeds as in heights."""
     found = [flight.readout(name) for flight in model.flights]
     return np.array([one is not None and one.source in sensors for one in found], bool)
+
+
+def _peak_part(model: Model) -> Float[Array, "flight"]:
+    """The highest mean thrust of each flight's motor over the window of a peak in a log, as a fraction of its highest
+    thrust [1]; 1 unless the samples of an accelerometer show the peak, because devices average over unknown times."""
+    felt = _by(model, "peak_accel", "accel")
+    found = zip(felt.tolist(), model.history.found, strict=True)
+    return np.array([highest_mean(one.motor) if own else 1.0 for own, one in found])
 
 
 def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:

@@ -1,4 +1,5 @@
-"""Drag and impulse that the samples of a simulated flight would give, as in `fieldkit.analysis.drag_and_impulse`.
+"""What the samples of a simulated flight would give: drag and impulse as in `fieldkit.analysis.drag_and_impulse`, and
+a peak acceleration as in `fieldkit.analysis.peak`.
 
 Derivation: that of `fieldkit.analysis.drag_and_impulse`, with the simulated accelerations instead of samples.
 """
@@ -6,9 +7,14 @@ Derivation: that of `fieldkit.analysis.drag_and_impulse`, with the simulated acc
 import numpy as np
 
 from fieldkit.physics.forces import EquationsOfMotion
+from fieldkit.physics.peak_window import PEAK_WINDOW
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.physics.state import FlightResult, Setup
+from fieldkit.physics.thrust_steps import Curve, impulse_until, strictly_increasing
 from fieldkit.shapes import Array, Float
+
+_STARTS = 201
+"""Number of evenly spaced starts at which the highest mean is looked for, beside those at the knots. [1]"""
 
 _PARTS = (0.2, 0.4, 0.6, 0.8)
 """Fractions of the speed after burnout at which drag that is not proportional to v² is evaluated. [1]"""
@@ -70,6 +76,25 @@ def climbed_peak(flown: FlightResult) -> Float[Array, "*draw"]:
     """
     upward = _upward(flown)
     return np.asarray(np.maximum(upward * (flown.peak_accel + GRAVITY * upward) - GRAVITY, 0.1 * flown.peak_accel))
+
+
+def felt_peak(peak: Float[Array, "draw flight"], part: Float[Array, "flight"]) -> Float[Array, "draw flight"]:
+    """Peak acceleration that an accelerometer's samples show, from that of the thrust curve [m/s^2].
+
+    `part` is as in `highest_mean`. Derivation: the mean of thrust over mass over a window in which the mass hardly
+    changes, less gravity; a spike comes at ignition, without drag.
+    """
+    return np.asarray((peak + GRAVITY) * part - GRAVITY)
+
+
+def highest_mean(motor: Curve, window: float = PEAK_WINDOW) -> float:
+    """The highest mean thrust of a motor over a window [s], as a fraction of its highest thrust. [1]"""
+    time, thrust = strictly_increasing(np.asarray(motor.time, float), np.asarray(motor.thrust, float))
+    window = min(window, float(np.ptp(time)))
+    latest = float(time[-1]) - window
+    starts = np.clip(np.concatenate([time, time - window, np.linspace(time[0], latest, _STARTS)]), time[0], latest)
+    gained = impulse_until(time, thrust, starts + window) - impulse_until(time, thrust, starts)
+    return float(gained.max() / window / thrust.max())
 
 
 def _upward(flown: FlightResult) -> Float[Array, "*draw"]:

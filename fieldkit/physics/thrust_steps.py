@@ -91,8 +91,10 @@ def _edges(time: Array, steps: int) -> Array:
     return np.append(starts, time[-1])
 
 
-def _impulse(time: Array, thrust: Array, at: Array) -> Array:
-    """Impulse delivered up to given times. [N s]"""
+def impulse_until(
+    time: Float[Array, "knot"], thrust: Float[Array, "knot"], at: Float[Array, "*some"]
+) -> Float[Array, "*some"]:
+    """Impulse that a curve [s], [N] delivers up to given times within it [s]. [N s]"""
     total = running_integral(thrust, time)
     segment = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     since = at - time[segment]
@@ -100,8 +102,10 @@ def _impulse(time: Array, thrust: Array, at: Array) -> Array:
     return np.asarray(total[segment] + since * (thrust[segment] + 0.5 * slope * since))
 
 
-def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
-    """The curve with simultaneous knots separated by a microsecond."""
+def strictly_increasing(
+    time: Float[Array, "knot"], thrust: Float[Array, "knot"]
+) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
+    """A curve [s], [N] with simultaneous knots separated by a microsecond."""
     time = time.copy()
     for knot in range(1, len(time)):
         time[knot] = max(time[knot], time[knot - 1] + 1e-6)
@@ -156,12 +160,12 @@ def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = No
     """
     rows = []
     for motor in motors:
-        time, thrust = _strictly_increasing(np.asarray(motor.time, float), np.asarray(motor.thrust, float))
+        time, thrust = strictly_increasing(np.asarray(motor.time, float), np.asarray(motor.thrust, float))
         if knots is not None:
             time, thrust = simplified(time, thrust, knots)
         edge = _edges(time, steps)
         nodes = np.stack([edge[:-1], 0.5 * (edge[:-1] + edge[1:]), edge[1:]], axis=1)
-        spent = nodes / time[-1] if linear_burn else _impulse(time, thrust, nodes)
+        spent = nodes / time[-1] if linear_burn else impulse_until(time, thrust, nodes)
         spent = spent / spent[-1, -1]
         if (gone := getattr(motor, "spent", None)) is not None:
             spent = np.interp(nodes, motor.time, gone)

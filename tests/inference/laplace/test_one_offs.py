@@ -12,11 +12,12 @@ from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
 from fieldkit.inference.laplace.posterior import Fit, solve
-from fieldkit.model.causes import CAUSES, NAMES, signatures
+from fieldkit.model.causes import CAUSES, NAMES, OTHER_PEAK_SD, signatures
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.history import history_of
+from fieldkit.physics.logged import highest_mean
 from fieldkit.shapes import Array
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -216,3 +217,33 @@ def test_a_last_flight_far_off_may_be_the_first_of_a_changed_rocket(last: float,
     if last > 1:
         assert found.weight[:-1].max() == pytest.approx(1 - found.changed, rel=0.1)
         assert found.normal[-1] > found.changed
+
+
+def test_another_motor_has_a_peak_of_its_own() -> None:
+    """A quarter less impulse in a fifth more time, and a spike that the recorded motor does not have, in logs."""
+    flown = season({3: {"thrust": -0.3, "stretch": 0.2}})
+    flight, motor = flown[3]
+    flown[3] = flight.with_changes(peak_accel=1.7 * (flight.peak_accel or 0.0)), motor
+    logged = [
+        (
+            one.with_changes(
+                sd={name: 0.02 * (one.number(name) or 0.0) for name in NOISE}, source=dict.fromkeys(NOISE, "accel")
+            ),
+            own,
+        )
+        for one, own in flown
+    ]
+    found = judged(logged)
+    assert likeliest(found, 3) == "other_motor"
+    assert found.cause[3].max() > 0.9
+
+
+def test_peaks_of_motors_of_a_class_scatter_as_the_signatures_say() -> None:
+    peaks: dict[str, list[float]] = {}
+    for motor in catalogue().motors:
+        peak = highest_mean(motor) * float(np.max(motor.thrust))
+        first, last = motor.burning
+        own = np.log(peak * (last - first) / motor.total_impulse)
+        peaks.setdefault(motor.designation[0] if motor.designation[0].isalpha() else "", []).append(float(own))
+    spread = np.sqrt(np.mean([np.var(some) for some in peaks.values() if len(some) > 5]))
+    assert pytest.approx(np.sqrt(2) * spread, abs=0.03) == OTHER_PEAK_SD
