@@ -480,7 +480,8 @@ def main() -> None:
             sys.stderr.write(f"{len(rows)} of {24 * len(every)}\n")
     rows.sort(key=lambda row: (options.kinds.index(row["kind"]), int(row["number"])))
     named = "" if options.kinds == [READOUTS] else f" --as {' '.join(options.kinds)} --cases {options.cases}"
-    command = f"python -m bench.one_offs{named} --out {options.out or 'PAGE'}"
+    seeded = "" if options.seed == parser.get_default("seed") else f" --seed {options.seed}"
+    command = f"python -m bench.one_offs{named}{seeded} --out {options.out or 'PAGE'}"
     text = "\n".join(page(rows, code, command)).rstrip() + "\n"
     if options.out:
         options.out.write_text(text, encoding="utf-8")
