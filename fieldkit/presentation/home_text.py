@@ -97,3 +97,16 @@ def sparkline(values: Sequence[float], width: int) -> str:
     low, high = min(cells), max(cells)
     scale = (len(SPARKS) - 1) / ((high - low) or 1.0)
     return "".join(SPARKS[round((value - low) * scale)] for value in cells)
+
+
+COMPUTED = "~"
+"""Mark of a miss against what the other flights lead to expect, if no forecast was saved."""
+
+
+def marked_miss(miss: float | None, system: str, *, inside: bool, computed: bool) -> str:
+    """A miss [m] with its sign, after the marks of one outside its interval and of one computed from other flights;
+    empty for None."""
+    if miss is None:
+        return ""
+    marks = ("" if inside else "!") + COMPUTED * computed
+    return f"{marks}{'+' if miss >= 0 else '-'}{number(APOGEE, abs(miss), system)}"

@@ -43,6 +43,22 @@ async def test_one_large_computation_runs_at_a_time_and_gives_way_between_its_st
     assert done == ["short", "long"]
 
 
+async def test_a_long_computation_returns_free_memory_between_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    returned: list[int] = []
+    monkeypatch.setattr("fieldkit.tui.computing.give_back", lambda: returned.append(1))
+    turn, seen = Turn(), list[int]()
+
+    def long() -> None:
+        for _ in range(9):
+            turn.give_way()
+        seen.append(len(returned))
+
+    await turn.compute(long)
+    turn.give_way()  # not a computation
+    assert seen == [1], "not at every step"
+    assert len(returned) == 2, "and at the end"
+
+
 async def test_a_request_is_canceled_by_the_next_and_when_the_app_closes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 from sys import modules
+from textwrap import wrap
 from typing import Any
 
 import pytest
@@ -19,7 +20,9 @@ from fieldkit.services.imports.mappings import TableColumns
 from fieldkit.services.pad import Checklist
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.asking import AskingScreen
+from fieldkit.tui.flights import flights_help
 from fieldkit.tui.flights.log_view import LogLook, LogView
+from fieldkit.tui.imports import import_help
 from fieldkit.tui.imports.given_form import QUESTIONS as LACKED
 from fieldkit.tui.imports.given_form import SetupForm
 from fieldkit.tui.imports.mapping_form import MappingForm, MappingList
@@ -33,6 +36,10 @@ from tests.pressing import at_home, calm, opened, press
 
 CHECK_SHAPES = False
 
+HELP_WIDTH = 68
+"""Width of a line of help at 80 columns. [cell]"""
+OTHER_HELP = ((flights_help, "LOG_HELP"), (import_help, "MAPPINGS_HELP"))
+"""Helps of screens that are no page."""
 BASES = {AskingScreen, PageScreen, HelpedModal}
 """Screens that are only inherited from."""
 TABLE = TableColumns("samples", ("Time [s]", "Alt [ft]"), ("0.0", "3"), {"time": "Time [s]"})
@@ -128,3 +135,10 @@ async def test_the_help_of_a_form_lists_its_keys_once_and_as_printed_on_a_keyboa
         assert keys["Next part of the page"] == "Tab"
         assert keys["Quit"] == "^Q"
         assert len(keys) < 16
+
+
+def test_every_help_begins_with_few_lines() -> None:
+    abouts = [screen.ABOUT for screen in screens() if issubclass(screen, PageScreen)]
+    abouts += [getattr(module, name) for module, name in OTHER_HELP]
+    assert len(abouts) > 10
+    assert [about for about in abouts if len(wrap(about.about, HELP_WIDTH)) > 4] == []

@@ -3,6 +3,7 @@ answer, and complete labels."""
 
 import gc
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -64,7 +65,7 @@ async def test_the_flights_page_draws_forecast_flown_and_target_beside_the_card(
         rows = [line.partition("│")[0] for line in shown(pilot).splitlines() if line[1:4].strip().isdigit()]
         assert sum("◆" in row for row in rows) == 12
         assert sum("◎" in row for row in rows) > 8, "unless a flight met the target"
-        assert "├─" in next(row for row in rows if row.startswith("▸12"))
+        assert re.search("├[─●◆]+┤", next(row for row in rows if row.startswith("▸12")))
         assert "forecast" in shown(pilot).splitlines()[2]
         await press(pilot, *["s"] * (column - 1))
         assert "◎▲" in shown(pilot).splitlines()[2]

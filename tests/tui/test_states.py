@@ -7,6 +7,7 @@ import pytest
 from rich.color import Color
 from rich.style import Style
 
+from fieldkit.settings import change_settings
 from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.plots import Ink, Marked, draw_density
@@ -93,3 +94,19 @@ def test_values_below_a_density_are_round_in_the_unit_that_is_shown() -> None:
     labels = drawing.plain.splitlines()[-1].split()
     assert len(labels) > 2
     assert all(float(label) % 50 == 0 for label in labels)
+
+
+@pytest.mark.parametrize("theme", THEMES)
+async def test_selected_text_in_a_field_stands_out_in_every_theme(
+    theme: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = at_home(tmp_path, monkeypatch)
+    change_settings({"theme": theme}, file.with_name("settings.json"))
+    async with opened(file) as pilot:
+        await press(pilot, "e", "down")
+        styles = {
+            segment.text.strip(): segment.style
+            for strip in pilot.app.screen._compositor.render_strips()
+            for segment in strip
+        }
+        assert styles["B"] != styles["Astra"], "its text is selected on focus"

@@ -11,6 +11,7 @@ from textual.widgets import Input
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
+from fieldkit.services.close_loop import version_payload
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import usual
 from fieldkit.services.one_offs import flights_beside_others
@@ -18,7 +19,7 @@ from fieldkit.settings import change_settings
 from fieldkit.tui.next.intervals import HeightScale, IntervalBar, Intervals, bar
 from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.widgets.big import GLYPHS, Big
-from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
+from tests.pressing import ROOT, at_home, looked_at, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -373,3 +374,37 @@ async def test_the_button_that_saves_is_in_sight_on_a_large_screen(file: Path) -
     async with opened(file, (160, 50), page="add") as pilot:
         assert pilot.app.screen.query_one("#save").region.bottom <= 48
         assert "Save this flight" in shown(pilot)
+
+
+async def test_flights_and_home_list_the_same_misses(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        home = {line.split()[0]: re.search(r"!?~[+-][\d.]+", line) for line in shown(pilot).splitlines() if "~" in line}
+        assert len(home) > 3
+        await press(pilot, "1", "_")
+        await pilot.pause(0.3)  # the cursor rests
+        await press(pilot, "_")
+        for id, miss in home.items():
+            line = next(line for line in shown(pilot).splitlines() if line.split()[:1] in ([id], [f"▸{id}"]))
+            assert miss
+            assert miss[0] in line
+
+
+@pytest.mark.parametrize("size", [(160, 50), (250, 70)])
+async def test_a_decision_uses_both_halves_of_a_large_screen(file: Path, size: tuple[int, int]) -> None:
+    async with opened(file, size) as pilot:
+        await press(pilot, "f", "_", "d", "_")
+        picture = pilot.app.screen.query_one("#picture").region
+        assert picture.x > size[0] // 2 - 2
+        assert picture.width > size[0] // 2 - 8
+        assert picture.height > size[1] * 2 // 3
+
+
+async def test_what_a_version_adds_is_never_cut(file: Path) -> None:
+    wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
+    several = [{**wear, "effect": name} for name in ("wear", "wind", "motor_thrust", "altimeter_scale")]
+    sets = [{"probability": 0.25, "places": [one]} for one in several]
+    with Ledger.open(file) as ledger:
+        ledger.keep_version("Astra", version_payload(looked_at().diagnosis) | {"effects": several, "averaged": sets})
+    async with opened(file, page="loop") as pilot:
+        await press(pilot, "right", "right", "end", "_")
+        assert "Version 1 adds wear 25%, wind 25%, motor_thrust 25%, altimeter_scale 25%" in words(pilot)

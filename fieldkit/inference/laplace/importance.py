@@ -10,7 +10,7 @@ Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning 
 
 from dataclasses import dataclass
 from math import log, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.leave_one_out import own_variance
 from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.outlier_flights import readouts_used
 from fieldkit.inference.laplace.pareto import smoothed
-from fieldkit.inference.laplace.posterior import Fit, bounds_log_mass, flight_evidence, prior_precision
+from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, bounds_log_mass, flight_evidence, prior_precision
 from fieldkit.model.causes import USUAL_PROBABILITY
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model
@@ -28,6 +28,8 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 500
 """Draws simulated for each fit; if one in four is effective, the log evidence has an error of 0.1 nat. [1]"""
+BATCH = 125
+"""Number of draws whose likelihoods are computed together, to save memory. [1]"""
 MORE_DRAWS = 3
 """Factor on `DRAWS` if they are not enough. [1]"""
 INFLATION = 1.15
@@ -82,7 +84,8 @@ def sampled(fit: Fit, rng: Generator, draws: int = DRAWS, *, causes: bool = Fals
 
 
 class _Flown(NamedTuple):
-    """Simulated draws of a fit. The likelihood is in batches of draws, because all in one array take much memory."""
+    """Simulated draws of a fit. The likelihood is in batches of draws and in single precision, of which a millionth of
+    a nat is lost, because all in one array take much memory."""
 
     log_density: Float[Array, "draw"]
     likelihood: tuple[Float[Array, "batch scale flight"], ...]
@@ -102,10 +105,15 @@ def _flown(
 ) -> _Flown:
     terms, log_density = _drawn(fit, scales, rng, draws)
     flown, apogee = _simulated(fit, terms)
-    batches = np.array_split(flown, -(-draws // DRAWS))
-    likelihood = tuple(_with_causes(log_likelihood(fit, scales, batch), log_causes) for batch in batches)
-    total = np.concatenate([batch.sum(axis=-1) for batch in likelihood])
-    return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + total)
+    batches = np.array_split(flown, -(-draws // BATCH))
+    likelihood: list[Any] = []
+    target = log_prior(fit.model, scales, terms)
+    evidence = flight_evidence(fit.model, fit.data, fit.tangent, which=scales)
+    for batch, joint in zip(batches, np.array_split(target, len(batches)), strict=True):
+        own = _with_causes(_given(fit, evidence, batch), log_causes)
+        joint += own.sum(axis=-1)
+        likelihood.append(np.asarray(own, np.float32))
+    return _Flown(log_density, tuple(likelihood), apogee, target)
 
 
 def _with_causes(
@@ -198,12 +206,18 @@ def log_likelihood(
 ) -> Float[Array, "draw scale flight"]:
     """Log likelihood of every flight of a fit, with multivariate Student t noise around the compared readouts of each
     draw, up to the constant of a normal. [nat]"""
+    return _given(fit, flight_evidence(fit.model, fit.data, fit.tangent, which=scales), flown)
+
+
+def _given(
+    fit: Fit, evidence: FlightEvidence, flown: Float[Array, "draw flight readout"]
+) -> Float[Array, "draw scale flight"]:
+    """As `log_likelihood`, given the information in each flight's readouts."""
     from scipy.special import gammaln  # takes 0.18 s to import
 
     model, near = fit.model, fit.tangent
     usable = fit.data.seen & np.isfinite(near.values)
     miss = np.where(usable, np.where(np.isfinite(flown), fit.data.values - flown, NO_FLIGHT_MISS), 0.0)
-    evidence = flight_evidence(model, fit.data, near, which=scales)
     square = _squares(miss[..., evidence.readouts], evidence.sharpness)
     nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)

@@ -9,6 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.makers import motor_name
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
+from fieldkit.presentation.home_text import marked_miss
 from fieldkit.quantities import number
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
@@ -44,6 +45,26 @@ class FlightRow:
     """The text that a filter searches."""
     drag: float | None = None
     thrust: float | None = None
+    expected: Bounds | None = None
+    """The apogee to expect from the other flights, in place of a forecast. [m]"""
+
+    @property
+    def interval(self) -> Bounds | None:
+        """The saved forecast, or else what the other flights lead to expect. [m]"""
+        return self.forecast or self.expected
+
+    @property
+    def gap(self) -> float | None:
+        """Flown minus the middle of `interval`. [m]"""
+        if self.miss is not None or self.expected is None or self.flight.apogee is None:
+            return self.miss
+        return self.flight.apogee - self.expected[1]
+
+    @property
+    def inside(self) -> bool:
+        """Whether it flew within its interval, or has none."""
+        apogee = self.flight.apogee
+        return self.interval is None or apogee is None or self.interval[0] <= apogee <= self.interval[2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +92,7 @@ def _number(value: float | None, form: str) -> str:
 
 
 def _miss(row: FlightRow, system: str) -> str:
-    if row.miss is None:
-        return ""
-    sign = "+" if row.miss >= 0 else "-"
-    return sign + number(cards.APOGEE, abs(row.miss), system) + "*" * row.stale
+    return marked_miss(row.gap, system, inside=row.inside, computed=row.miss is None) + "*" * row.stale
 
 
 def _date(form: str) -> Callable[[FlightRow, str], str]:
@@ -141,9 +159,9 @@ def columns(
         ),
         Shown(
             "miss",
-            6 if not tight else 5,
+            6 if tight or brief else 7,
             _miss,
-            lambda r: abs(r.miss) if r.miss is not None else -1.0,
+            lambda r: abs(r.gap) if r.gap is not None else -1.0,
             right=True,
             falls=True,
         ),
@@ -160,8 +178,8 @@ def _drawn(room: int, scale: HeightScale, system: str) -> Shown:
     return Shown(
         heading(room - 1, scale, system),  # and the arrow of a sorted column
         room,
-        lambda r, _: scale.line(r.forecast, r.flight.apogee, room),
-        lambda r: r.forecast[1] if r.forecast is not None else -1.0,
+        lambda r, _: scale.line(r.interval, r.flight.apogee, room),
+        lambda r: r.interval[1] if r.interval is not None else -1.0,
         name="forecast",
     )
 
@@ -182,7 +200,7 @@ def read_rows(ledger: Ledger, motors: Catalogue) -> list[FlightRow]:
 
 def scale_of(rows: Iterable[FlightRow], target: float | None) -> HeightScale:
     """The scale of all forecasts and flown apogees. [m]"""
-    return HeightScale.of(((row.forecast, row.flight.apogee) for row in rows), target)
+    return HeightScale.of(((row.interval, row.flight.apogee) for row in rows), target)
 
 
 def haystack(id: str, flight: Flight) -> str:

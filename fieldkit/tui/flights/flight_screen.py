@@ -77,9 +77,8 @@ class FlightScreen(PageScreen):
     NAME = "flights"
     TITLE = "Flight"
     ABOUT = Help(
-        "Everything known about one flight. The readouts and masses are on the left. Beside them are the drag and "
-        "thrust inferred from them, as densities: the higher the curve, the likelier the value. At the top is the "
-        "forecast, an interval that should hold nine flights in ten, and the result.",
+        "Everything known about one flight: readouts and masses; its forecast, an interval that should hold nine "
+        "flights in ten, and the result; drag and thrust as densities, likelier where the curve is higher.",
         (
             ("Cd", "Drag of the rocket in this flight. A wide curve means these readouts constrain it poorly."),
             ("thrust", "Thrust factor (alpha) of this motor relative to the certified thrust; 1 is as certified."),

@@ -3,10 +3,10 @@
 from fieldkit.tui.help import Help
 
 FLIGHTS_HELP = Help(
-    "Every flight in your ledger, newest first. Type / and words to list only the flights that match them all (a "
-    "rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, the "
-    "drag and thrust inferred from it, and its forecast. e edits the flight under the cursor, x removes it.",
+    "Every flight in your ledger, newest first. Enter opens one: its readouts, its log, its drag and thrust, and its "
+    "forecast. / and words list only the flights that match.",
     (
+        ("/", "All words have to match: a rocket, a motor, a tag, a site, a month such as 2026-05."),
         (
             "id, date",
             "Its number in the ledger, and when it flew; a flight without a date is listed in the order entered.",
@@ -15,7 +15,11 @@ FLIGHTS_HELP = Help(
         ("apogee", "Highest point above the pad, as your altimeter showed it."),
         ("Cd", "How much drag the rocket had in this flight, inferred from its readouts alone."),
         ("thrust", "Thrust factor (alpha) of the motor: 1 is as certified, 0.95 is five percent weaker."),
-        ("miss", "Flown minus forecast; empty if no forecast was saved before the flight."),
+        (
+            "miss",
+            "Flown minus the forecast saved before the flight, ! outside its interval; with ~ against what the other "
+            "flights lead to expect.",
+        ),
         ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
         ("miss*", "The forecast was stale: mass, motor, weather or model changed before the flight."),
         (
@@ -33,10 +37,8 @@ FLIGHTS_HELP = Help(
     ),
 )
 LOG_HELP = Help(
-    "The log from lift-off (T+0) to landing: height above the pad, speed and acceleration against time. The line at "
-    "the top has the values at the cursor. The left and right arrows move it; Home and End move it from event to "
-    "event; on a small screen v shows the next plot. Below the plots, or on a small screen after Tab, are the readouts "
-    "measured in the log, its events and its columns.",
+    "The log from lift-off (T+0) to landing: height above the pad, speed and acceleration. The line at the top has the "
+    "values at the cursor; below, or after Tab, are the facts.",
     (
         ("T+2.10 s", "Seconds from lift-off. In a log without a lift-off, seconds of its own clock."),
         ("Readouts", "Each with its standard deviation and sensor, and the device's own value if it states one."),

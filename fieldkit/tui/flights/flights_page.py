@@ -24,6 +24,7 @@ from fieldkit.quantities import spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.inferred import FlightInference, Inferred
 from fieldkit.tui.asking import or_why
+from fieldkit.tui.comparing import Beside, beside_others
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.flight_rows import FlightRow, Shown, columns, headings, read_rows, same_build, scale_of
 from fieldkit.tui.flights.flight_screen import FlightScreen
@@ -129,6 +130,8 @@ def _draw_course(row: FlightRow, known: Sequence[FlightRow], plt: Any, ink: Any)
 
 FLIGHTS_PER_BATCH = 40
 """Number of flights whose drag and thrust are computed together, in about a second, so that others do not wait. [1]"""
+MAX_COMPARED = 40
+"""Number of top flights whose rockets' flights are compared with each other. [1]"""
 MAX_INFERRED = 400
 """Number of top flights whose drag and thrust are computed automatically. [1]"""
 REST = 0.15
@@ -168,6 +171,7 @@ class FlightsScreen(PageScreen):
         self._rows: dict[str, FlightRow] = {}
         self._asked: set[str] = set()
         self._compared: dict[tuple[str, str], FlightBesideOthers] = {}
+        self._compared_rockets: set[str] = set()
         self._inference: FlightInference | None = None
         self._order, self._down = "date", True
         self._scale = HeightScale(0.0, 1.0)
@@ -200,6 +204,7 @@ class FlightsScreen(PageScreen):
     def _have(self, rows: list[FlightRow]) -> None:
         self._inference = None  # messages of other rockets may have changed
         self._compared.clear()
+        self._compared_rockets.clear()
         known = {row.id: row for row in self._rows.values() if row.thrust is not None}
         for row in rows:
             if (before := known.get(row.id)) and before.flight == row.flight:
@@ -299,9 +304,8 @@ class FlightsScreen(PageScreen):
         row, wide = self._row(), self.has_class("-wide")
         drawn = row if wide and self.has_class("-tall") else None
         self.query_one(FlightPlots).show(drawn, same_build(self._rows.values(), drawn) if drawn is not None else [])
-        if not wide:
-            return
-        self._show_card()
+        if wide:
+            self._show_card()
         if row is not None:
             self._rest = self.set_timer(REST, partial(self._read_more, row, log=drawn is not None))
 
@@ -312,19 +316,24 @@ class FlightsScreen(PageScreen):
 
     def _read_more(self, row: FlightRow, *, log: bool) -> None:
         """Read the log of a flight, and compare the flights of its rocket."""
-        resources, rocket = self.resources, row.flight.rocket
+        resources = self.resources
         if log:
             work = or_why(partial(drawn, resources.ledger, row.id, resources.settings.units))
             self.ask(work, partial(self._have_log, row.id), "log")
-        if (rocket, row.flight.flight_id) not in self._compared:
-            compare = or_why(partial(resources.comparisons.of, resources.ledger, resources.motors, rocket))
-            self.ask(compare, self._have_compared, "beside", alone="app")
+        top = (self._rows[id].flight for id in self.query_one(Table).keys[:MAX_COMPARED])
+        new = {flight.rocket: flight for flight in (row.flight, *top) if flight.rocket not in self._compared_rockets}
+        if new:
+            self._compared_rockets |= new.keys()
+            self.ask(partial(beside_others, resources, new.values()), self._have_compared, "beside", alone="app")
 
-    def _have_compared(self, found: Sequence[FlightBesideOthers] | str) -> None:
-        """Show why the flight under the cursor missed; a rocket that cannot be compared has no reasons."""
-        if not isinstance(found, str):
-            self._compared |= {(one.flight.rocket, one.flight.flight_id): one for one in found}
-            self._show_card()
+    def _have_compared(self, found: Beside) -> None:
+        """Show the misses of flights without a saved forecast, and why the flight under the cursor missed."""
+        self._compared |= found
+        for row in self._rows.values():
+            if (one := found.get((row.flight.rocket, row.flight.flight_id))) is not None:
+                row.expected = one.interval
+        self._scale = scale_of(self._rows.values(), self.resources.settings.target)
+        self._refill()
 
     def _have_log(self, id: str, log: Drawn | str) -> None:
         row = self._row()

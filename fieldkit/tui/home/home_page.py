@@ -42,9 +42,9 @@ from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.services.launch_day import Overview
+    from fieldkit.tui.comparing import Beside
     from fieldkit.tui.flights.flight_screen import FlightScreen
     from fieldkit.tui.flights.log_plot import Drawn
-    from fieldkit.tui.home.pane import Beside
     from fieldkit.tui.pad.pad_screen import PadTimer
 
 
@@ -204,12 +204,12 @@ class HomeScreen(PageScreen):
     TITLE = "Home"
     ROW_REQUESTS = ("ask", "overview")
     ABOUT = Help(
-        "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
-        "its forecast; below, the latest flights, today's first, and on a tall screen the rocket of the selected "
-        "one. Press f to choose a motor and Enter there to save its forecast; a to add a flight, with rocket, motor "
-        "and weather filled in from that forecast; p to edit the plan: rocket, mass and weather. Weather entered once "
-        "(e) is used in every plan and flight of the day.",
+        "Your launch day in three keys: f to choose a motor and save its forecast, a to add the flight with rocket, "
+        "motor and weather of that forecast, p to change rocket, mass and weather.",
         (
+            ("cards", "The open forecast, or the rocket to plan; and the last flight beside its forecast."),
+            ("list", "The latest flights, today's first; Enter to open one."),
+            ("weather", "Entered once (e), it is used in every plan and flight of the day."),
             (
                 "miss",
                 "Flown minus the forecast saved before the flight, ! outside its interval; with ~ against what the "
@@ -325,9 +325,9 @@ class HomeScreen(PageScreen):
 
     def _compare(self, flights: Sequence[ListedFlight]) -> "Beside":
         with IMPORTING:
-            from fieldkit.tui.home.pane import beside_others  # before the first paint it would take 0.7 s
+            from fieldkit.tui.comparing import beside_others  # before the first paint it would take 0.7 s
 
-        return beside_others(self.resources, flights)
+        return beside_others(self.resources, [one.flight for one in flights])
 
     def _have_beside(self, beside: "Beside") -> None:
         """Show the misses of flights without a saved forecast, and why flights missed."""

@@ -7,7 +7,7 @@ from textual.content import Content
 
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.makers import motor_name
-from fieldkit.presentation.home_text import build_of, sparkline
+from fieldkit.presentation.home_text import build_of, marked_miss, sparkline
 from fieldkit.quantities import number
 from fieldkit.services.listed_flights import ListedFlight
 from fieldkit.settings import Settings
@@ -23,8 +23,6 @@ TAG_CELLS = 12
 """Width of the tags of a flight. [cell]"""
 MAX_BARS = 16
 """Number of latest misses in a trend. [1]"""
-COMPUTED = "~"
-"""Mark of a miss against what the other flights lead to expect, if no forecast was saved."""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
 """Widths above which a table has room for tags and for profiles, and for the interval of each forecast. [cell]"""
 APOGEE = BY_NAME["apogee"]
@@ -68,18 +66,14 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[
         when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
         apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
         stale = "*" if forecast is not None and forecast.stale and forecast.miss is not None else ""
-        miss = "" if one.miss is None else f"{_marks(one)}{signed(one.miss, system)}{stale}"
+        computed = one.forecast is None or one.forecast.miss is None
+        miss = marked_miss(one.miss, system, inside=_inside(one), computed=computed) + stale
         motor = motor_name(flight.motor, MOTOR_CELLS)
         texts = [flight.flight_id, when, build_of(flight), motor, apogee, miss, " ".join(flight.tags)]
         texts += [profile] if profiles else []
         return [*texts, scale.line(one.interval, flight.apogee, bars)] if bars else texts
 
     return cells
-
-
-def _marks(one: ListedFlight) -> str:
-    """The marks of a miss: outside its interval, and computed from the other flights."""
-    return ("" if _inside(one) else "!") + (COMPUTED if one.forecast is None or one.forecast.miss is None else "")
 
 
 def _inside(one: ListedFlight) -> bool:
@@ -96,11 +90,6 @@ def trend(flights: Sequence[ListedFlight], rocket: str) -> Content:
     bars = sparkline([0.0, *(abs(one.miss or 0.0) for one in missed)], MAX_BARS + 1)[1:]
     colors = [GOOD_COLOR if _inside(one) else CAUTION_COLOR for one in missed]
     return Content.assemble("misses ", *((bar, f"${color}") for bar, color in zip(bars, colors, strict=True)))
-
-
-def signed(height: float, system: str) -> str:
-    """A difference of heights [m] with its sign."""
-    return ("+" if height >= 0 else "-") + number(APOGEE, abs(height), system)
 
 
 def logs_of(resources: Resources, flights: Sequence[ListedFlight]) -> dict[str, str]:

@@ -1,6 +1,6 @@
 """The second pane of a large Home page: the selected flight, why it missed, the misses as a trend, its climb."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 from textual.containers import VerticalScroll
@@ -8,23 +8,17 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.errors import FieldkitError
-from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.presentation.home_text import flown_lines
 from fieldkit.presentation.one_off_text import why
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.listed_flights import ListedFlight
-from fieldkit.tui.asking import go_on
+from fieldkit.tui.comparing import Beside
 from fieldkit.tui.flights.log_plot import Drawn, draw_trace
-from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.misses import draw_misses
 from fieldkit.tui.widgets.plots import Plot, draw_in
-
-Beside = Mapping[tuple[str, str], FlightBesideOthers]
-"""Flights beside the others of their rocket, by rocket and flight_id."""
 
 
 class Pane(VerticalScroll, can_focus=False):
@@ -84,16 +78,3 @@ def _facts(one: ListedFlight | None, system: str) -> Iterable[str]:
         yield f"{measure(cards.APOGEE, abs(one.miss), system)} {way} what the other flights lead to expect"
     if one.flight.tags:
         yield f"tagged {', '.join(one.flight.tags)}"
-
-
-def beside_others(resources: Resources, flights: Sequence[ListedFlight]) -> Beside:
-    """Every flight of the rockets of some flights beside the others. Raises Dropped."""
-    found: dict[tuple[str, str], FlightBesideOthers] = {}
-    for rocket in dict.fromkeys(one.flight.rocket for one in flights if one.flight.rocket):
-        go_on()
-        try:
-            every = resources.comparisons.of(resources.ledger, resources.motors, rocket)
-        except FieldkitError:
-            continue  # the page of the rocket reports what cannot be read
-        found |= {(rocket, one.flight.flight_id): one for one in every}
-    return found

@@ -97,15 +97,17 @@ class CaptureScreen(PageScreen):
     TITLE = "Capture"
     ROW_REQUESTS = ("ports",)
     ABOUT = Help(
-        "Plug in the logger or its adapter; press r to reload the list and Enter to capture from the port under the "
-        "cursor. The device is recognized by its USB numbers or by listening; if it only answers commands, choose it "
-        "with h first. Every byte is saved to disk before it is decoded, so a pulled cable loses nothing: press "
-        "C to continue, k to end the capture. Nothing on a logger is ever changed or erased. At the end you "
-        "are asked whether to import its flights.",
+        "Plug in the logger or its adapter; Enter captures from the port under the cursor. Nothing on a logger is ever "
+        "changed or erased. At the end you are asked whether to import its flights.",
         (
+            ("saved", "Every byte, before it is decoded, so a pulled cable loses nothing: C continues, k ends."),
             ("port", "The port's name in the operating system."),
             ("description", "The maker of the chip, and the logger if the USB numbers identify it."),
-            ("device", "The protocol to use; empty: recognized by listening."),
+            (
+                "device",
+                "The protocol to use; empty: recognized by the USB numbers or by listening. Choose it with h if the "
+                "logger only answers commands.",
+            ),
             ("altitude", "The current altitude of a telemetry stream, and the highest so far."),
         ),
         ("fieldkit capture --list", "fieldkit capture [PORT] [--device NAME]", "fieldkit capture --resume"),

@@ -3,12 +3,11 @@
 from fieldkit.tui.help import Help
 
 IMPORT_HELP = Help(
-    "Choose a log or a flight table. The file under the cursor is read but not imported: you see its format, how "
-    "many flights it would add, each rejected row with the reason, and the flights. Press Enter to import it; if it "
-    "names no rocket or no motor, a form asks for them. "
-    "Duplicates change nothing, so a file may be imported twice. Press the space bar to mark files that belong "
-    "together, such as the logs of several altimeters in one flight.",
+    "Choose a log or a table of flights. The file under the cursor is only shown; Enter imports it, and asks for its "
+    "rocket and motor if it names none.",
     (
+        ("twice", "Duplicates change nothing, so a file may be imported twice."),
+        ("marked", "Space marks files to read together, such as the logs of several altimeters in one flight."),
         ("format", "The parser that recognized the file by its content. F to choose another one."),
         ("look", "l to plot the flight from lift-off, with a cursor, and to list columns, readouts and events."),
         ("rejected", "Rows that cannot become flights: fix them in the file and import it again."),

@@ -42,11 +42,10 @@ from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
 
 LOOP_HELP = Help(
-    "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
-    "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). "
-    "Press S to search, which takes a few seconds and changes nothing. Press A to accept the result, D to decline it. "
-    "Under Versions, press Enter to switch to another model, and u to undo that.",
+    "Which effect do the forecasts of a rocket lack? Each flight is forecast from the others, and the misses are "
+    "compared with those that known effects would cause: wind, weak motors, an altimeter that reads high.",
     (
+        ("S, A, D", "S searches and changes nothing; A accepts the result for later forecasts, D declines it."),
         (
             "Verdict",
             "What is missing in one sentence, the mean miss of flights that were forecast from the others, before and "
@@ -82,7 +81,11 @@ LOOP_HELP = Help(
             "effect that S looks for, up to",
             "Before a search: each effect that it tries, and a strength that the effect rarely exceeds.",
         ),
-        ("Versions", "Saved models of this rocket, and the one in use. 0 is without a correction."),
+        (
+            "Versions",
+            "Saved models of this rocket, and the one in use. 0 is without a correction. Enter switches to another, u "
+            "undoes that.",
+        ),
         ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
         ("held-out error", "Its mean error on held-out flights, before and after."),
     ),
@@ -199,7 +202,8 @@ class LoopScreen(PageScreen):
     def _have_flights(self, found: Sequence[FlightBesideOthers] | str) -> None:
         """Show the flights that stand out; without any that can be compared, none."""
         if self.panels.found is None:
-            self.panels.show_flights(() if isinstance(found, str) else found, self.resources.settings.units)
+            rows, system = () if isinstance(found, str) else found, self.resources.settings.units
+            self.panels.show_flights(rows, system, searched=False)
 
     def _show_versions(self, standing: Standing) -> None:
         """Show the models of the rocket, and which is in use."""

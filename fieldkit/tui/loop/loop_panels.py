@@ -139,12 +139,14 @@ class HeadlinePanel(VerticalScroll):
         yield Static("", id="fleet")
         yield Plot(id="each")
 
-    def show_each(self, found: Sequence[FlightBesideOthers], system: str) -> None:
-        """Draw the miss of every flight against the others of its rocket; nothing for fewer than two."""
+    def show_each(self, found: Sequence[FlightBesideOthers], system: str, *, searched: bool) -> None:
+        """Draw the miss of every flight against the others of its rocket, after a search as its effects explain them;
+        nothing for fewer than two."""
         missed = [(one.flight.flight_id, one.miss) for one in found if np.isfinite(one.miss)]
         plot = self.query_one("#each", Plot)
         plot.set_class(len(missed) > 1, "-shown")
-        plot.border_title = Content(f"Each flight beside the others of its rocket [{_unit(system)}]")
+        way = ", with what S found" if searched else ""
+        plot.border_title = Content(f"Each flight beside the others of its rocket{way} [{_unit(system)}]")
         plot.show(partial(draw_misses, missed, None, system) if len(missed) > 1 else None)
 
     def wait(self, text: Content | Hanging | str) -> None:
@@ -207,6 +209,8 @@ TEXT_BEFORE_RUN = {
     "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
+ADDS = 2
+"""The column of versions with the effects that they add. [1]"""
 PANEL_FRAME = 6
 """Columns of a panel for its frame, its margins and a scrollbar. [cell]"""
 
@@ -221,7 +225,8 @@ class Panels(Container):
     Panels #p-Residuals Static { text-style: bold; }
     Panels #p-Ranking Table { height: 1fr; min-height: 4; }
     Panels #p-Ranking Static { margin-top: 1; }
-    Panels #p-Versions Table { height: 1fr; }
+    Panels #p-Versions Table { height: 1fr; min-height: 3; }
+    Panels #p-Versions Static { margin-top: 1; }
     """
 
     def __init__(self) -> None:
@@ -241,8 +246,9 @@ class Panels(Container):
         """One frame per panel."""
         yield HeadlinePanel(id="p-Verdict", classes="panel")
         yield SingleFlights(id="p-Flights", classes="panel")
-        with Container(id="p-Versions", classes="panel"):
+        with Vertical(id="p-Versions", classes="panel"):
             yield Table(id="versions", enter="Use it")
+            yield Static(id="adds")
         with VerticalScroll(id="p-Evidence", classes="panel"):
             yield Static(id="evidence")
         with Container(id="p-Residuals", classes="panel"):
@@ -281,7 +287,7 @@ class Panels(Container):
     def show(self, found: Findings, system: str) -> None:
         """Show the findings."""
         self.found = found
-        self.show_flights(found.flights or self.beside, system)
+        self.show_flights(found.flights or self.beside, system, searched=bool(found.flights))
         self.show_verdict(system)
         self.show_residuals(0, system)
         self.show_marks(0)
@@ -297,13 +303,15 @@ class Panels(Container):
             heads.append(Head("strength", 16))
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
-    def show_flights(self, found: Sequence[FlightBesideOthers], system: str) -> None:
-        """Show the flights beside the others of their rocket."""
+    def show_flights(self, found: Sequence[FlightBesideOthers], system: str, *, searched: bool | None = None) -> None:
+        """Show the flights beside the others of their rocket, after a search as its effects explain them; the same as
+        before in other units if `searched` is None."""
         self.beside = found
         single = self.query_one(SingleFlights)
         single.found = found
+        single.searched = single.searched if searched is None else searched
         single.show(found, system)
-        self.headline.show_each(found, system)
+        self.headline.show_each(found, system, searched=single.searched)
 
     def show_residuals(self, turn: int, system: str) -> None:
         """Show residuals against the `turn`-th column, flight by flight; after the last column comes the first."""
@@ -356,6 +364,15 @@ class Panels(Container):
         rows = version_rows(standing.versions, system)
         heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("held-out error", 17, True), Head("", 8)]
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
+        self._show_added()
+
+    @on(Table.Moved, "#versions")
+    def _show_added(self) -> None:
+        """Show in full what the version under the cursor adds, which its column may cut."""
+        table = self.query_one("#versions", Table)
+        added = table.cells(table.current)[ADDS] if table.current else ""
+        text = f"Version {table.current} adds {added}" if added else ""
+        self.query_one("#adds", Static).update(Content(text))
 
     def front(self, panel: int) -> Widget | None:
         """Bring a panel to the front; returns the widget for its keys, None if it needs none."""

@@ -9,10 +9,10 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.presentation.home_text import marked_miss
 from fieldkit.presentation.one_off_text import WORTH_SAYING, likely_cause, why
 from fieldkit.quantities import percent
 from fieldkit.safe_text import printable
-from fieldkit.tui.home.home_rows import signed
 from fieldkit.tui.widgets.table import Head, Table
 
 NONE_ODD = "No flight stands out from the others of its rocket."
@@ -42,7 +42,7 @@ class SingleFlights(Vertical):
 
         def cells(id: str) -> tuple[str, ...]:
             one = rows[id]
-            miss = signed(one.miss, system) if one.miss == one.miss else ""
+            miss = marked_miss(one.miss if one.miss == one.miss else None, system, inside=True, computed=False)
             usual = (USUAL, "") if one.flight.clean else (TAGGED, " ".join(one.flight.tags))
             return (
                 id,
@@ -64,10 +64,13 @@ class SingleFlights(Vertical):
         none = "" if one is None or odd_flights(self.found) else f"{NONE_ODD}\n"
         hint = f"\nEnter to tag it {self.tag}: fits then leave it out" if self.tag else ""
         text = "" if one is None else printable(why(one, self.system))
+        text += "\nMisses are those with the effects that S found." if text and self.searched else ""
         self.query_one("#why", Static).update(Content.assemble((none, "b"), text, (hint, "b")))
 
     found: Sequence[FlightBesideOthers] = ()
     system: str = "SI"
+    searched = False
+    """Whether the flights are shown as the effects of a search explain them."""
 
     @property
     def current(self) -> FlightBesideOthers | None:

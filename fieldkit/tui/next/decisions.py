@@ -146,7 +146,7 @@ def of_delays(answer: Answer, judged: Delays) -> Answer:
         answer,
         title=title,
         intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}),
-        below="The coast from burnout to apogee; lines are the delays",
+        below="Coast to apogee; lines are the delays",
         draw=draw_density(judged.coasts, lambda value: f"{value:g} s", ticks=delays),
     )
 

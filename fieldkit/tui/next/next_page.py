@@ -50,14 +50,19 @@ from fieldkit.tui.widgets.plots import Marked, Plot, draw_density
 from fieldkit.tui.widgets.table import Table
 
 NEXT_HELP = Help(
-    "Plan the next flight. The table lists every motor on sale that fits the rocket (no wider than the widest it has "
-    "flown, and strong enough to lift it) with its forecast apogee; the forecast of the motor under the cursor is "
-    "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it, "
-    "B only the motors in your range box (Ctrl+P, Your card), each with its count. "
-    "With a target (g), the motors nearest to it come first; without one, those flown, then those nearest to the last "
-    "apogee of the rocket. Press Enter to save a forecast; when you add the flight, "
-    "the two are compared. Forecasts are advice: the range safety officer decides.",
+    "Every motor on sale that fits the rocket, with its forecast apogee. Enter saves the forecast of the one under the "
+    "cursor; when you add the flight, the two are compared. Forecasts are advice: the range safety officer decides.",
     (
+        ("fits", "No wider than the widest motor that the rocket has flown, and strong enough to lift it."),
+        (
+            "/ * B",
+            "A name, a maker or a size such as 24mm, in the whole catalog; all of it; only the motors in your range "
+            "box (Ctrl+P, Your card). Each with its count.",
+        ),
+        (
+            "order",
+            "With a target (g), the nearest first; without one, those flown, then those nearest to the last apogee.",
+        ),
         ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
         ("◆ ! ✗", "Before a motor: flown before, weak for this weight, not possible."),
         (

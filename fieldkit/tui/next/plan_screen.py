@@ -86,18 +86,17 @@ class PlanScreen(PageScreen):
     NAME = "next_flight"
     TITLE = "Decide"
     ABOUT = Help(
-        "What to decide once the motor is chosen, from the flights of this rocket and the weather of the plan. Delay: "
-        "when each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. Ballast: "
-        "the mass to add or remove to meet the target (g). Contest: the expected points by a "
-        "season's rule. Landing: where it lands relative to the field, and the best rail angle. Saved: your saved "
-        "forecasts. Score: how good they were. Season: a contest season step by step. Finals: mass and "
-        "parachute for each target that finals may announce. "
+        "What to decide once the motor is chosen, from the flights of this rocket and the weather of the plan. "
         "Forecasts are advice: the range safety officer decides.",
         (
-            ("delay", "The best delay is the one least likely to deploy too fast for the parachute."),
+            (
+                "delay",
+                "When each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. "
+                "The best is the one least likely to deploy too fast for the parachute.",
+            ),
             (
                 "ballast",
-                "The dry mass with the best chance of an apogee within 10 ft of the target; j for the "
+                "The dry mass with the best chance of an apogee within 10 ft of the target (g); j for the "
                 "smallest mean miss or the fewest points of the season.",
             ),
             (
@@ -105,6 +104,7 @@ class PlanScreen(PageScreen):
                 "Points for feet off the target and seconds outside the window, over as many flights as may be "
                 "declared. Press , or . for another season, [ or ] for a smaller or larger parachute.",
             ),
+            ("landing", "Where it lands relative to the field, and the best rail angle."),
             (
                 "the day",
                 "e to enter the announced target and window, the cut (for the chance of qualifying), the declared "
@@ -120,7 +120,14 @@ class PlanScreen(PageScreen):
                 (what, f"{about}: {key} to write it.")
                 for key, (what, about) in zip(WRITES, PAGES.values(), strict=True)
             ),
-            ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
+            (
+                "finals",
+                "Mass and parachute for each target that finals may announce.",
+            ),
+            (
+                "saved",
+                "Your saved forecasts. Stale: mass, motor, weather, design or model has changed since it was made.",
+            ),
             (
                 "score",
                 "How far off forecasts of this rocket are, each from the earlier flights only, beside simpler methods. "
@@ -164,14 +171,14 @@ class PlanScreen(PageScreen):
     DEFAULT_CSS = """
     PlanScreen VerticalScroll { padding: 0 1; }
     PlanScreen #words { height: auto; layout: vertical; }
-    PlanScreen #main, PlanScreen #answer, PlanScreen #beside, PlanScreen #below { height: auto; width: 1fr; }
+    PlanScreen #main, PlanScreen #answer, PlanScreen #under, PlanScreen #beside { height: auto; width: 1fr; }
+    PlanScreen #below { height: auto; }
     PlanScreen #figure { height: 4; display: none; }
     PlanScreen #figure.-shown { display: block; }
     PlanScreen #about { width: 1fr; height: 3; padding: 0 0 0 2; }
-    PlanScreen #beside, PlanScreen.-wide #below { display: none; }
-    PlanScreen #below { margin-top: 1; }
+    PlanScreen #under, PlanScreen #beside, PlanScreen.-wide #below { display: none; }
+    PlanScreen #below, PlanScreen #under { margin-top: 1; }
     PlanScreen #picture { height: auto; margin-top: 1; display: none; }
-    PlanScreen #picture.-shown { display: block; }
     PlanScreen #picture Static { height: auto; }
     PlanScreen #title { text-style: bold; color: $primary; }
     PlanScreen #plots { height: auto; layout: vertical; }
@@ -179,11 +186,17 @@ class PlanScreen(PageScreen):
     PlanScreen Plot.-below { border-top: solid $border-blurred; border-title-color: $foreground; margin-top: 1; }
     PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below, PlanScreen.-wide Plot.-below { display: block; }
     PlanScreen.-tall Plot { height: 44vh; min-height: 16; }
-    PlanScreen.-wide #words, PlanScreen.-wide #plots, PlanScreen.-normal #plots { layout: horizontal; }
-    PlanScreen.-wide #words #beside { display: block; margin: 0 0 0 2; }
-    PlanScreen.-wide #words.-single #beside { display: none; }
+    PlanScreen.-wide #words { layout: horizontal; }
+    PlanScreen.-normal #plots { layout: horizontal; }
+    PlanScreen #words.-drawn #picture { display: block; }
+    PlanScreen.-wide #words.-drawn #under, PlanScreen.-wide #words.-more #beside { display: block; }
+    PlanScreen.-wide #words.-drawn #beside { display: none; }
     PlanScreen.-wide #main { width: 3fr; }
-    PlanScreen.-wide #beside { width: 2fr; }
+    PlanScreen.-wide #beside { width: 2fr; margin: 0 0 0 2; }
+    PlanScreen.-wide #words.-drawn #main { width: 1fr; min-width: 70; }
+    PlanScreen.-wide #picture { width: 1fr; margin: 0 0 0 2; }
+    PlanScreen.-wide #words.-one Plot { height: 70vh; }
+    PlanScreen.-wide #words.-two Plot { height: 41vh; }
     """
 
     def __init__(self, decision: Decision, view: int = 0, write: str = "") -> None:
@@ -205,12 +218,13 @@ class PlanScreen(PageScreen):
                         yield Big()
                         yield Static("", id="about")
                     yield Static("", id="answer")
-                    with Container(id="picture"):
-                        yield Static("", id="title")
-                        yield Static("", id="intervals")
-                        with Container(id="plots"):
-                            yield Plot(id="first")
-                            yield Plot(id="second")
+                    yield Static("", id="under")
+                with Container(id="picture"):
+                    yield Static("", id="title")
+                    yield Static("", id="intervals")
+                    with Container(id="plots"):
+                        yield Plot(id="first")
+                        yield Plot(id="second")
                 yield Static("", id="beside")
             yield Static("", id="below")
 
@@ -233,14 +247,17 @@ class PlanScreen(PageScreen):
         self.query_one("#about", Static).update(Content("\n".join(map(printable, answer.about))).stylize("bold"))
         self.query_one("#answer", Static).update(answered(answer.words))
         beside = answer.beside if self._unfolded else answer.folded or answer.beside
-        for place in ("#beside", "#below"):  # one of them is shown, by the width
+        for place in ("#under", "#beside", "#below"):  # one of them is shown, by the width and the picture
             self.query_one(place, Static).update(hanging(beside))
-        self.query_one("#words").set_class(not beside, "-single")
+        words = self.query_one("#words")
+        words.set_class(bool(beside), "-more")
+        words.set_class(bool(answer.title), "-drawn")
+        words.set_class(answer.second is None, "-one")
+        words.set_class(answer.second is not None, "-two")
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:
         """Draw the picture of the answer, if there is one."""
-        self.query_one("#picture").set_class(bool(answer.title), "-shown")
         self.query_one("#title", Static).update(Content(answer.title))
         intervals = self.query_one("#intervals", Static)
         intervals.display = answer.intervals is not None

@@ -44,12 +44,12 @@ from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
 
 SETUP_HELP = Help(
-    "Five lists; the left and right arrows, or a click, switch between them. Motors: the whole catalog; type / "
-    "and a name to search it, press i to add your own .eng or .rse file. Rockets and sites come from your flights: "
-    "press Enter to edit one in every flight that has it, u to undo; i adds a site before anything flies there. "
-    "Kits: defaults for rockets named after a kit; "
-    "i adds one, x removes one. Settings: press Enter to change a value.",
+    "Five lists: motors, rockets, sites, kits, settings. The left and right arrows, or a click, switch between them; "
+    "Enter changes the row or the value under the cursor.",
     (
+        ("motors", "The whole catalog; i adds your own .eng or .rse file."),
+        ("rockets, sites", "From your flights: a change is made in every flight that has it, u to undo."),
+        ("i, x", "Add a site before anything flies there, or a kit; remove a kit."),
         ("mm, N s, avg N", "Diameter, total impulse and average thrust of a motor."),
         ("burn s, grams", "Burn time of a motor, and its mass with propellant."),
         ("delays s", "Ejection delays on sale; P is plugged: no charge."),

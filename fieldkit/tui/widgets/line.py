@@ -8,6 +8,10 @@ from textual.widgets import Input
 class Line(Input):
     """An input in which a question mark opens the help, unless it `takes_marks`."""
 
+    DEFAULT_CSS = """
+    Line:ansi > .input--selection { text-style: reverse; }
+    """
+
     def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
         super().__init__(text, select_on_focus=True, validate_on=(), **rest)
         self.takes_marks = takes_marks

@@ -11,12 +11,12 @@ from scipy.stats import genpareto
 from fieldkit.inference.laplace import importance
 from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.importance import (
+    BATCH,
     DRAWS,
     MORE_DRAWS,
     RELIABLE_PARETO_K,
     Sampled,
     _squares,
-    log_likelihood,
     sampled,
     summed,
 )
@@ -69,14 +69,15 @@ def test_likelihoods_are_computed_in_batches_and_the_fit_is_kept_without_its_sol
 ) -> None:
     sizes: list[int] = []
 
-    def counted(fit: Fit, scales: Any, flown: Any) -> Any:
+    def counted(fit: Fit, evidence: Any, flown: Any) -> Any:
         sizes.append(len(flown))
-        return log_likelihood(fit, scales, flown)
+        return given(fit, evidence, flown)
 
-    monkeypatch.setattr(importance, "log_likelihood", counted)
+    given = importance._given
+    monkeypatch.setattr(importance, "_given", counted)
     monkeypatch.setattr(importance, "RELIABLE_PARETO_K", -np.inf)  # no draws are enough
     found = sampled(fitted(), np.random.default_rng(1))
-    assert sizes == [DRAWS] * MORE_DRAWS
+    assert sizes == [BATCH] * (DRAWS // BATCH * MORE_DRAWS)
     assert found.fit.solution is None
 
 
