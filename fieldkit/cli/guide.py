@@ -80,7 +80,7 @@ def print_guide(context: typer.Context, given: Given, asked: GuideOptions, *, js
         return
     motors_that_fit = [choice for choice in choices if choice.fits]
     shown = motors_that_fit or choices
-    _print(plan, wanted, shown, names, len(choices), every=asked.all_)
+    _print(plan, wanted, order.target, shown, names, len(choices), every=asked.all_)
     _print_checks(shown, names, every=asked.all_)
     if motors_that_fit:
         _print_excluded([choice for choice in choices if not choice.fits], names)
@@ -188,7 +188,14 @@ def _print_json(
 
 
 def _print(
-    plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", names: MotorNames, of: int, *, every: bool
+    plan: PlanContext,
+    wanted: "Wanted",
+    target: float | None,
+    choices: "list[MotorChoice]",
+    names: MotorNames,
+    of: int,
+    *,
+    every: bool,
 ) -> None:
     from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK, label
     from fieldkit.presentation.forecast_text import rests_in_words
@@ -199,6 +206,7 @@ def _print(
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:.3g} mm"
     fit = f"{len(choices) if choices[0].fits else 'none'} of {counted(of, 'motor')} of {width}"
     say(f"{fit} fit and are not excluded by a check" if choices[0].fits else f"{fit} fits: checks exclude every one")
+    _say_target(target)
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         assumed, twice = (in_system(message(fine(one, "m")), system()) for one in (RAIL_LENGTH, 2 * RAIL_LENGTH))
         say_wrapped(
@@ -337,6 +345,12 @@ def _table(choices: "list[MotorChoice]", names: MotorNames, most: int) -> None:
     )
 
 
+def _say_target(target: float | None) -> None:
+    """Print the apogee [m] by which motors are sorted, if there is one."""
+    if target is not None:
+        say(f"target  {ShownUnits(system()).length(target)}")
+
+
 def print_quick_guide(
     plan: PlanContext,
     wanted: "Wanted",
@@ -360,6 +374,7 @@ def print_quick_guide(
     shown = ShownUnits(system())
     name = " ".join(part for part in (plan.flight.rocket, plan.flight.config) if part)
     say_wrapped(f"{name}: forecasts on {counted(len(found), 'motor')}, {QUICK_ERROR}; nothing is saved")
+    _say_target(order.target)
     headers = ("motor", "shown", "90%", "T:W", "avg", "top")
     rows = []
     for one in found:

@@ -295,11 +295,13 @@ def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
 
 
 def _say_tags(ledger: "Ledger", before: "Flight", flight: "Flight") -> None:
-    """Print the tags of a flight, and how to undo a change of them."""
+    """Print the tags of a flight, whether a change of them decides about its use, and how to undo it."""
     (id,), after = ledger.ids([flight]), flight.tags
     tags = (
         f"has the tags {'; '.join(after)}" if len(after) > 1 else f"has the tag {after[0]}" if after else "has no tags"
     )
+    if before.clean != flight.clean:
+        tags += ", and is used in forecasts again" if flight.clean else ", and is not used in forecasts"
     say(f"{flight_label(id, 'Flight')} {tags}" + (". `fieldkit undo` to undo." if before.tags != after else ""))
 
 

@@ -17,3 +17,10 @@ def test_the_assumed_diameter_of_a_drag_coefficient_is_named(run: Run) -> None:
     plan = ("predict", "--rocket", "Wren", "--motor", "F24-4W", "--dry-mass", "320g")
     assert "for a diameter usual at its mass: its own is not given" in run(*plan).out
     assert "usual at its mass" not in run(*plan, "--diameter", "66mm").out
+
+
+def test_the_motor_guide_names_its_target(run: Run) -> None:
+    run("add", *FLOWN)
+    guide = ("motors", "--fit", "Lark", "--mount", "24mm", "--quick")
+    assert "\ntarget  244 m\n" in run(*guide, "--target", "800ft").out
+    assert "target" not in run(*guide).out

@@ -319,12 +319,12 @@ def test_a_bad_change_is_refused_in_one_line(full: Run, change: str, found: str)
 
 
 def test_tags_are_added_and_removed(full: Run) -> None:
-    assert (
-        full("tag", "1", "Off-axis", "mine").out == "Flight 1 has the tags off_axis; mine. `fieldkit undo` to undo.\n"
-    )
+    undo = " `fieldkit undo` to undo.\n"
+    tagged = "Flight 1 has the tags off_axis; mine, and is not used in forecasts."
+    assert full("tag", "1", "Off-axis", "mine").out == tagged + undo
     assert full("tag", "1", "mine").out == "Flight 1 has the tags off_axis; mine\n"
-    assert full("untag", "1", "off axis").out == "Flight 1 has the tag mine. `fieldkit undo` to undo.\n"
-    assert full("untag", "1", "mine").out == "Flight 1 has no tags. `fieldkit undo` to undo.\n"
+    assert full("untag", "1", "off axis").out == "Flight 1 has the tag mine, and is used in forecasts again." + undo
+    assert full("untag", "1", "mine").out == "Flight 1 has no tags." + undo
     outcome = full("untag", "1", "mine", status=1)
     assert outcome.err == "1 has no tag 'mine', it has none\n"
 
