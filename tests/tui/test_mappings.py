@@ -12,7 +12,7 @@ from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
 from fieldkit.ledger import Ledger
 from tests.importing.test_rejections_name_the_file import BROKEN, SAVED
-from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed
+from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 
 pytestmark = pytest.mark.fast
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
@@ -174,6 +174,17 @@ async def test_the_form_shows_the_table_and_which_columns_are_not_used_yet(file:
         assert [part.strip() for part in muted] == ["Rakete"]
         await press(pilot, "down", *typed("treib"), "down", "enter")
         assert "Treibsatz" in {part.strip() for part in text_parts(pilot)}
+
+
+async def test_rows_without_a_unit_are_rejected_with_the_key_that_chooses_it_and_no_option(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("Flug;Gipfel;Modell;Antrieb\n1;211;Lark;C6-5\n2;198;Lark;C6-5\n")
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")
+        await press(pilot)
+        await press(pilot, "m", *typed("Mod"), "enter", *typed("Antr"), "enter", *typed("Gip"), "enter", "ctrl+s")
+        assert "2 rejected" in words(pilot)
+        assert "or m to choose the unit of the column" in words(pilot)
+        assert "--map" not in shown(pilot)
 
 
 def text_parts(pilot: Pilot[None]) -> list[str]:

@@ -210,8 +210,8 @@ def _left_out(fit: Fit, data: Data) -> _LeftOut:
     offset = fit.mean - np.array([term.mean for term in fit.model.terms])
     residual = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
     flat = evidence.slope.reshape(evidence.miss.size, -1)
-    spread = (flat @ fit.covariance).reshape(len(offset), *evidence.slope.shape)
-    known = spread @ np.swapaxes(evidence.slope, 1, 2)
+    # not kept in a variable: the largest array of a comparison
+    known = (flat @ fit.covariance).reshape(len(offset), *evidence.slope.shape) @ np.swapaxes(evidence.slope, 1, 2)
     noise, log_sharpness = inverses(evidence.sharpness)
     used = np.asarray(fit.data.seen.any(axis=1))
     sharper, log_det = inverses(noise - np.where(used[:, None, None], known, 0.0))

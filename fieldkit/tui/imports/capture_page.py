@@ -31,6 +31,7 @@ from fieldkit.services.imports import Receipt, bring_in
 from fieldkit.services.pickers import OfferedAnswer
 from fieldkit.tui.help import Help
 from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
+from fieldkit.tui.imports.import_look import by_keys
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
@@ -311,7 +312,7 @@ class CaptureScreen(PageScreen):
     def _stored(self, receipt: Receipt) -> None:
         self.show_notice(f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}. u to undo")
         for row in receipt.rejected:
-            self.complain(f"{row.file}: {row.error}")
+            self.complain(f"{row.file}: {by_keys(row.error)}")
         for line in receipt.implausible:
             self.complain(line)
         self.field_app.changed()

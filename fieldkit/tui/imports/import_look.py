@@ -125,6 +125,7 @@ def by_keys(trouble: str) -> str:
     """An error message with the key m instead of the equivalent command option; the page says itself that m maps the
     columns of a table that no parser recognizes."""
     trouble = re.sub(r"; a table of samples is read with --map .*", "", trouble)
+    trouble = re.sub(r"--map '[^']*' for all rows", "m to choose the unit of the column", trouble)
     return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
 
 
@@ -210,7 +211,7 @@ def left_out(look: Look) -> Hanging:
     lines = [Content.assemble(("Rejected, and why", "b $primary"))] if rejected else []
     for one in rejected[:MAX_LISTED]:
         place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
-        lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))
+        lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(by_keys(one.error))}"))
     if len(rejected) > MAX_LISTED:
         lines.append(Content(f"and {len(rejected) - MAX_LISTED} more; fieldkit import --dry-run --json lists all"))
     return Hanging(tuple((2, line) for line in lines))
