@@ -18,6 +18,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Parsed, Parser, Reading
+from fieldkit.importing.tables.cell import MAX_CELL_VALUE
 from fieldkit.importing.tables.clocks import in_order
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.pad_state import along_thrust
@@ -122,7 +123,10 @@ def _add(rows: LineSamples, cells: list[str]) -> bool:
         return False
     try:
         if rows.instance is None or int(cells[rows.instance]) == 0:
-            rows.values.extend([float(cells[place]) for place in rows.places])
+            numbers = [float(cells[place]) for place in rows.places]
+            if not all(abs(number) <= MAX_CELL_VALUE for number in numbers):
+                return False
+            rows.values.extend(numbers)
     except ValueError:
         return False
     return True

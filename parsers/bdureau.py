@@ -18,6 +18,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import MOST_FLIGHTS, Note, Parsed, Parser, Reading
+from fieldkit.importing.tables.cell import MAX_CELL_VALUE
 from fieldkit.importing.tables.damage import Damaged
 from fieldkit.importing.tables.text import narrow, shown
 from fieldkit.quantities import counted
@@ -102,7 +103,7 @@ def _numbers(cells: Sequence[bytes], least: int, width: int, row: int) -> list[f
         numbers = [float(cell) for cell in cells[:width]]
     except ValueError:
         numbers = []
-    if len(numbers) < least or not all(map(math.isfinite, numbers)):
+    if len(numbers) < least or not all(abs(number) <= MAX_CELL_VALUE for number in numbers):
         found = shown(b",".join(cells).decode("ascii", "replace"))
         raise DamagedLog(f"found {found}, expected at least {least} numbers", row=row)
     return numbers + [math.nan] * (width - len(numbers))

@@ -131,7 +131,7 @@ def _table(log: bytes, data_row: int, data: str, length: str) -> LogTable:
 
 def _channel(place: int, name: str, length: str) -> Channel | None:
     """A column by its name, such as `Data: (Time` or `Temperature (F)`; None if it is not read."""
-    if unit := re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", name, re.IGNORECASE):
+    if unit := re.search(r"Temp\w{0,12}\.?\s?\(\s?°?\s?([FC])\s?\)", name, re.IGNORECASE):
         return Channel("temperature", place, units.unit("temperature", unit[1]), header="Temperature")
     match = COLUMN.fullmatch(re.sub(r"^\s*Data\s*:", "", name, flags=re.IGNORECASE))
     word = match[1].lower() if match else ""

@@ -60,6 +60,8 @@ LIMITS_WITHOUT_A_FIGURE = {
     "a cluster: thrusts are added as if every motor lights; the delay counts from the end of the last burn; changes in "
     "drag and failed ignitions are not modeled: {...}": "`one_unlit` follows",
     "off by up to {...}": "the lengths of names",
+    "{...} taken for {...}": "a guess at what was typed, beside by how much it differs",
+    ", for a diameter usual at its mass: its own is not given": "the interval is wider for it",
 }
 """Warnings without a direction, and why."""
 NOT_OURS = (

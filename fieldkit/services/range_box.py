@@ -126,7 +126,7 @@ def counted_now(one: BoxedMotors) -> BoxedMotors:
     and for a lot that no table can show."""
     check_name(one.lot)
     if one.count > MOST_IN_BOX:
-        raise BadValue(f"found {one.count:.4g} motors, expected at most {MOST_IN_BOX}")
+        raise BadValue(f"found a count of {one.count:.4g}, expected at most {MOST_IN_BOX}")
     return replace(one, counted=datetime.now().isoformat(timespec="minutes"))
 
 

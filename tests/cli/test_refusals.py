@@ -275,7 +275,7 @@ def test_a_flight_beside_a_damaged_one_is_not_shown_without_its_comparison(fille
             ["flyer", "--motor", "C6-5", "--count", "1", "--lot", "x" * 5000],
             "of length 5000, expected at most 200 char",
         ),
-        (["flyer", "--motor", "C6-5", "--count", "9" * 20], "found 1e+20 motors, expected at most 1000"),
+        (["flyer", "--motor", "C6-5", "--count", "9" * 20], "found a count of 1e+20, expected at most 1000"),
         (["finals", "--season", "2026", "--motor", "F24-4W", "--targets", "825-775"], "expected feet, the lower first"),
         (["serve", "--host", "x" * 5000], "cannot listen there (no computer has this name)"),
     ],

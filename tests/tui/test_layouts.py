@@ -92,8 +92,10 @@ async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_chec
         assert "g dry mass" in text_of(pilot, "#about")
         plot = screen.query_one("#first", Plot)
         assert plot.region.bottom < size[1], "visible without scrolling"
-        assert plot.region.right <= screen.query_one("#beside").region.x, "below the answer, beside the checks"
-        marks = [line[0] for line in str(screen.query_one("#beside", Static).content).splitlines() if line[1:2] == " "]
+        checks = screen.query_one("#under", Static)
+        assert checks.region.right <= plot.region.x, "across the screen: beside the answer and the checks below it"
+        marks = [line[0] for line in str(checks.content).splitlines() if line[1:2] == " "]
+        assert "⊘" in marks or "!" in marks or "?" in marks
         assert [mark for mark in marks if mark in "⊘!?✓"] == sorted(
             (mark for mark in marks if mark in "⊘!?✓"), key="⊘!?✓".index
         )
