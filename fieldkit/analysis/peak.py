@@ -11,7 +11,7 @@ from fieldkit.analysis.channels import Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.records import Figure
 from fieldkit.analysis.robust_statistics import median_step, running_median
-from fieldkit.physics.peak_window import PEAK_WINDOW
+from fieldkit.flight.readout import PEAK_WINDOW
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 

@@ -26,6 +26,8 @@ MIN_SD, MAX_SD = 1e-9, 1e6
 are below what any altimeter resolves, and squares and reciprocals of numbers between them are finite."""
 SENSORS = ("baro", "accel", "gps")
 """Sources that are sensors whose samples gave the readout."""
+PEAK_WINDOW = 0.05
+"""Averaging window of a peak acceleration measured in samples: an igniter's spike is shorter. [s]"""
 
 
 @dataclass(frozen=True, slots=True)

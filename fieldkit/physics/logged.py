@@ -6,8 +6,8 @@ Derivation: that of `fieldkit.analysis.drag_and_impulse`, with the simulated acc
 
 import numpy as np
 
+from fieldkit.flight.readout import PEAK_WINDOW
 from fieldkit.physics.forces import EquationsOfMotion
-from fieldkit.physics.peak_window import PEAK_WINDOW
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.physics.thrust_steps import Curve, impulse_until, strictly_increasing
