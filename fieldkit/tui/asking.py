@@ -71,10 +71,14 @@ class AskingScreen(Screen[None]):
         they take much memory.
         """
 
+        def shown(result: T) -> None:
+            if self.display:  # false while the screen is removed: its widgets go first, its workers last
+                answer(result)
+
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
                 turn = self.field_app.computing if alone == "app" else self._alone[group]
-                await self._pass_on(turn.compute(question) if alone else asyncio.to_thread(question), answer)
+                await self._pass_on(turn.compute(question) if alone else asyncio.to_thread(question), shown)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 

@@ -7,6 +7,7 @@ from threading import Event
 from unittest.mock import patch
 
 import pytest
+from textual.app import ComposeResult
 from textual.events import Key
 from textual.widgets import Button, Input, Static
 
@@ -19,6 +20,7 @@ from fieldkit.services import close_loop
 from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.page import PageScreen
@@ -27,6 +29,23 @@ from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, hurry, looked_at, opened, press, text_of, typed, words
 
 CHECK_SHAPES = False
+
+
+class Lingering(AskingScreen):
+    """A screen that takes a while to close after its input is gone."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.bare, self.closes = Event(), asyncio.Event()
+
+    def compose(self) -> ComposeResult:
+        """An input, by which an answer would be shown."""
+        yield Input()
+
+    async def on_unmount(self) -> None:
+        """Wait without widgets."""
+        self.bare.set()
+        await self.closes.wait()
 
 
 @pytest.fixture
@@ -277,3 +296,17 @@ async def test_keys_typed_after_q_open_no_page_of_the_closing_app(file: Path) ->
         await asyncio.wait_for(running, 20)
     assert not turned.called
     assert app.errors == []
+
+
+async def test_an_answer_that_reaches_a_closing_screen_is_dropped(file: Path) -> None:
+    async with opened(file) as pilot:
+        screen = Lingering()
+        await pilot.app.push_screen(screen)
+        answers: list[bool] = []
+        screen.ask(lambda: screen.bare.wait(10), answers.append)
+        closing = screen.dismiss()
+        while not screen.bare.is_set() or screen.is_asking("ask"):
+            await asyncio.sleep(0.005)
+        screen.closes.set()
+        await closing
+        assert answers == []
