@@ -68,7 +68,7 @@ def print_guide(context: typer.Context, given: Given, asked: GuideOptions, *, js
         if asked.quick:
             print_quick_guide(plan, wanted, order, strong, names, json=json)
             return
-        found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
+        found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site, saved=saved)
     rule = None if asked.season is None else rule_of(asked.season)
     advice = None
     if rule is not None:

@@ -1,7 +1,7 @@
 """The motor guide: every motor that fits a rocket, with a forecast from the rocket's flights."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -217,13 +217,19 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 
 
 def guide(
-    rocket: RocketData, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
+    rocket: RocketData,
+    plan: Flight,
+    motors: Sequence[Motor],
+    limits: Limits,
+    site: Site,
+    draws: int | None = None,
+    saved: Sequence[Found] = (),
 ) -> list[MotorChoice]:
     """The forecast flight of a plan on each motor, in the same order; nothing is saved.
 
-    A motor has the delay of the plan if that is for sale or can be drilled, else the one for sale that fires closest to
-    apogee. It is simulated `draws` times, by default as many as are quick. Raises ImpossibleFlight for a plan without a
-    mass, BadValue for a damaged file of rules.
+    A motor has the delay of the plan, or else that with which it is `saved` in an open forecast, if that is for sale or
+    can be drilled; else the one for sale that fires closest to apogee. It is simulated `draws` times, by default as
+    many as are quick. Raises ImpossibleFlight for a plan without a mass, BadValue for a damaged file of rules.
     """
     if not motors:
         return []
@@ -235,7 +241,8 @@ def guide(
 
     def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
-        return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)), plan.delay)
+        wanted = saved_delays(saved) if plan.delay is None else dict.fromkeys(map(label, motors), plan.delay)
+        return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)), wanted)
 
     known, falls = {label(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
     by = limits, known_rules(), read_settings()
@@ -261,10 +268,19 @@ ForecastWithDelay = tuple[float | None, float, Prediction]
 with that delay. A charge before apogee would end the coast."""
 
 
-def _flown(rocket: RocketData, fitted: FittedForecast, wanted: float | None) -> list[ForecastWithDelay]:
-    """Each motor of the fit, with the `wanted` delay [s] if it can have that, else its most suitable one."""
+def saved_delays(saved: Sequence[Found]) -> dict[str, float]:
+    """The delays of motors in open forecasts, the latest first, by the motors' labels. [s]"""
+    return {label(found.motor): found.delay for found in reversed(saved) if found.delay is not None}
+
+
+def _flown(rocket: RocketData, fitted: FittedForecast, wanted: Mapping[str, float]) -> list[ForecastWithDelay]:
+    """Each motor of the fit, with the delay `wanted` for its label [s] if it can have that, else its most suitable
+    one."""
     coasts = coast_times(fitted.model, fitted.at)
-    delays = [_delay(found.motor, coast, wanted) for found, coast in zip(fitted.model.found, coasts, strict=True)]
+    delays = [
+        _delay(found.motor, coast, wanted.get(label(found.motor)))
+        for found, coast in zip(fitted.model.found, coasts, strict=True)
+    ]
     made = forecast_plans(rocket, _with_delays(fitted, delays))
     return list(zip(delays, coasts.tolist(), made, strict=True))
 
@@ -308,11 +324,11 @@ class MotorOrder:
         return sorted(found, key=lambda one: (not one.fits, *self.place(one.motor, one.apogee, weak=one.weak)))
 
 
-def motor_order(rocket: RocketData, config: str, target: float | None, saved: Sequence[Motor] = ()) -> MotorOrder:
+def motor_order(rocket: RocketData, config: str, target: float | None, saved: Sequence[Found] = ()) -> MotorOrder:
     """The order for a configuration of a rocket, with a `target` or without [m]: preferred are the motors `saved` in
     open forecasts and those that it has flown on, the latest first. Without a flight of the configuration, the last
     apogee is that of the rocket."""
-    preferred = tuple(dict.fromkeys([*saved, *(found.motor for found in reversed(rocket.motors))]))
+    preferred = tuple(dict.fromkeys(found.motor for found in [*saved, *reversed(rocket.motors)]))
     clean = [flight for flight in rocket.flights if flight.clean and flight.apogee is not None]
     own = [flight for flight in clean if flight.config == config]
     return MotorOrder(target, preferred, next((flight.apogee or 0.0 for flight in reversed(own or clean)), 0.0))

@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue, UnknownMotor, nearest
 from fieldkit.flight import TAGS
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor, is_cluster
-from fieldkit.motors.names import with_delay
+from fieldkit.motors.names import parse, with_delay
 from fieldkit.services.kits import kits as own_kits
 from fieldkit.services.sites import sites
 
@@ -54,12 +54,18 @@ class Names:
         }
 
     def _motors(self, typed: str) -> Sequence[OfferedAnswer]:
-        """Motors flown before that contain the text, then those of the catalog, each with its delays."""
+        """Motors flown before that contain the text, then those of the catalog, each with its delays; a delay in the
+        text is offered before others."""
         flown = [OfferedAnswer(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
         if not typed.strip():
             return flown[:MAX_PICKS]
-        found = chain(flown, chain.from_iterable(map(self.with_delays, self.motors.search(typed)[:MAX_PICKS])))
-        return list(islice(found, MAX_PICKS))
+        sold: Iterable[OfferedAnswer] = chain.from_iterable(
+            map(self.with_delays, self.motors.search(typed)[:MAX_PICKS])
+        )
+        asked = parse(typed).delay
+        if asked is not None:
+            sold = sorted(sold, key=lambda one: parse(one.text).delay != asked)
+        return list(islice(chain(flown, sold), MAX_PICKS))
 
     def with_delays(self, motor: Motor) -> Iterable[OfferedAnswer]:
         """A motor once for each delay on sale, by names that mean it: `AeroTech F24W-4`, `Cesaroni 53F32-5`."""

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Ledger, Past, StoredPrediction
-from fieldkit.motors import Catalogue, Found, Motor
+from fieldkit.motors import Catalogue, Found
 from fieldkit.quantities import ShownUnits
 from fieldkit.rocket import Rocket
 from fieldkit.services.forecasts import used_version
@@ -311,12 +311,12 @@ def standing(found: Sequence[SavedForecast]) -> str:
     return ", ".join(f"{count} {state}{beside if state == 'flown' else ''}" for state, count in counts.items())
 
 
-def motors_with_open_forecast(ledger: Ledger, motors: Catalogue, rocket: str, config: str) -> list[Motor]:
-    """The motors for which a flight of a configuration is forecast and not flown yet, the latest first; without those
-    of another catalog."""
+def motors_with_open_forecast(ledger: Ledger, motors: Catalogue, rocket: str, config: str) -> list[Found]:
+    """The motors, with their delays, for which a flight of a configuration is forecast and not flown yet, the latest
+    first; without those of another catalog."""
     found = []
     for one in reversed(list_forecasts(ledger, motors, rocket)):
         if one.waits and one.made.payload.get("config", "") == config:
             with suppress(UnknownMotor):
-                found.append(motors.resolve(str(one.made.payload.get("motor", ""))).motor)
+                found.append(motors.resolve(str(one.made.payload.get("motor", ""))))
     return found

@@ -59,3 +59,13 @@ def test_the_delay_of_the_plan_is_that_of_motors_sold_or_drilled_with_it(
     (choice,) = guide(RocketData((), ()), plan, [catalogue().find(motor).motor], limits(), Site())
     assert choice.delay == choice.plan.delay == delay
     assert delay in dict(choice.ejections)
+
+
+def test_a_motor_in_an_open_forecast_has_the_delay_of_that_forecast_unless_the_plan_names_one() -> None:
+    motors = catalogue()
+    saved = [motors.resolve("Estes C6-3"), motors.resolve("Estes C6-7")]
+    plan = Flight(rocket="Swift", dry_mass=0.06, diameter=0.025)
+    for delay, expected in ((None, 3.0), (5.0, 5.0)):
+        asked = plan.with_changes(delay=delay)
+        (choice,) = guide(RocketData((), ()), asked, [saved[0].motor], limits(), Site(), saved=saved)
+        assert choice.delay == expected

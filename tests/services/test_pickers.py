@@ -20,6 +20,13 @@ def test_a_motor_is_offered_with_each_delay_whatever_its_name() -> None:
     assert offered("F24W")[0] == "AeroTech F24W-4"
 
 
+def test_a_delay_in_the_text_is_offered_before_others() -> None:
+    assert offered("c6-5")[:2] == ["Estes C6-5", "Quest C6-5"]
+    assert offered("f24-7")[0] == "AeroTech F24W-7"
+    assert offered("c6-p")[0] == "Klima C6-P"
+    assert offered("c6")[0] == "Estes C6-0"
+
+
 def test_every_offered_name_finds_its_motor() -> None:
     motors = catalogue()
     for motor in motors.motors:

@@ -176,12 +176,25 @@ async def test_the_form_shows_the_table_and_which_columns_are_not_used_yet(file:
         assert "Treibsatz" in {part.strip() for part in text_parts(pilot)}
 
 
-async def test_rows_without_a_unit_are_rejected_with_the_key_that_chooses_it_and_no_option(file: Path) -> None:
+async def test_a_column_of_flights_without_a_unit_is_not_saved_before_one_is_chosen(file: Path) -> None:
     (file.parent / "odd.csv").write_text("Flug;Gipfel;Modell;Antrieb\n1;211;Lark;C6-5\n2;198;Lark;C6-5\n")
     async with opened(file, (120, 36), page="import_files") as pilot:
         pilot.app.screen.go(file.parent, file.parent / "odd.csv")
         await press(pilot)
-        await press(pilot, "m", *typed("Mod"), "enter", *typed("Antr"), "enter", *typed("Gip"), "enter", "ctrl+s")
+        await press(pilot, "m", *typed("Mod"), "enter", *typed("Antr"), "enter", *typed("Gipfel"), "ctrl+s")
+        assert "Gipfel [ft]" in shown(pilot)
+        await press(pilot, "down", "enter", "ctrl+s", "_")
+        assert "apogee=Gipfel [m]" in pilot.app.screen._reading.columns
+        assert "would add 2 flights" in words(pilot)
+
+
+async def test_rows_without_a_unit_are_rejected_with_the_key_that_chooses_it_and_no_option(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("Flug;Gipfel;Modell;Antrieb\n1;211;Lark;C6-5\n2;198;Lark;C6-5\n")
+    columns = {"rocket": "Modell", "motor": "Antrieb", "apogee": "Gipfel"}
+    remember(ColumnChoice(columns, ("Flug", "Gipfel", "Modell", "Antrieb")))
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")
+        await press(pilot)
         assert "2 rejected" in words(pilot)
         assert "or m to choose the unit of the column" in words(pilot)
         assert "--map" not in shown(pilot)

@@ -278,6 +278,20 @@ async def test_home_lists_tags_and_the_miss_of_every_flight_and_explains_the_sel
         assert not pilot.app.screen.query("Pane")
 
 
+async def test_a_motor_with_an_open_forecast_is_listed_with_the_delay_of_that_forecast(tmp_path: Path) -> None:
+    async with opened(tmp_path / "ledger.db", page="home") as pilot:
+        await press(pilot, "enter", *typed("Lark"), "enter", *typed("100g"), "enter", *typed("35mm"), "enter")
+        await press(pilot, *typed("c6-5"), "down", "enter", "_")
+        assert "Lark on Estes C6-5" in shown(pilot)
+        await press(pilot, "f", "_")
+        assert "Lark on Estes C6-5" in shown(pilot), "although C6-3 fires nearer to apogee"
+        await press(pilot, "d", "_")
+        assert "Estes C6" in shown(pilot)
+        await press(pilot, "escape", "u", "_", "u", "_")  # the forecast is taken back
+        await press(pilot, "_")
+        assert "C6-5" not in shown(pilot)
+
+
 async def final_figure(pilot: Pilot[None]) -> str:
     """The apogee on the Fly page of the motor under the cursor, once its forecast is final."""
     for _ in range(400):

@@ -91,6 +91,16 @@ class MappingForm(Form):
                 return
         await super().action_go_on()
 
+    async def action_take(self) -> None:
+        """Submit the columns. Flights with a column without a unit would be rejected, so it is asked for first."""
+        for field in self.query(Field) if self._columns.of == "flights" else ():
+            answer = field.answer
+            if any(self._columns.cells(answer)) and self._columns.units(field.question.name, answer):
+                self.set_focus(field.line)  # immediately, because the next key is for it
+                self.call_after_refresh(self._picker.follow, field.line, field.question.name)
+                return
+        await super().action_take()
+
     def beside(self, field: Field, value: object, unit: str) -> str:
         """The first cells of the column, and whether its unit is missing."""
         cells = ", ".join(self._columns.cells(field.answer))

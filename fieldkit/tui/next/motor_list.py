@@ -75,8 +75,18 @@ class MotorList:
         """Set another plan, without forecasts unless they are the same; without a plan, no motors."""
         if plan is None or self.plan is None or not plan.same_forecasts(self.plan):
             self.known, self.quick, self.exact = {}, {}, set()
+        else:
+            self._drop_other_delays(plan, self.plan)
         self.plan = plan
         self.found = self.found if plan is not None else ()
+
+    def _drop_other_delays(self, plan: NextPlan, before: NextPlan) -> None:
+        """Drop forecasts of motors that now have an open forecast with another delay, or none any more."""
+        for motor, one in list(self.known.items()):
+            now = plan.saved_delay(motor)
+            if now not in (before.saved_delay(motor), one.delay):
+                del self.known[motor]
+                self.exact.discard(motor)
 
     def put(self, plan: NextPlan, found: Sequence[MotorChoice]) -> None:
         """Add forecasts of a plan, unless it has been replaced in the meantime."""

@@ -80,7 +80,8 @@ NEXT_HELP = Help(
         ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
         (
             "delay",
-            "That of the plan (p) if the motor is sold or drilled with it, else the one on sale nearest to apogee.",
+            "That of the plan (p), or of the open forecast, if the motor is sold or drilled with it, else the one "
+            "on sale nearest to apogee.",
         ),
         (
             "✗ a motor",
@@ -358,7 +359,7 @@ class NextScreen(PageScreen):
             return
 
         def work() -> list[MotorChoice]:
-            return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
+            return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS, plan.saved)
 
         self.ask(work, partial(self._have, plan), "forecast", alone="app")
 

@@ -18,11 +18,11 @@ from fieldkit.flight.short_name import has_derived_id
 from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, answer_text, read_answer
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Motor
+from fieldkit.motors import Found, Motor
 from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit, limits
-from fieldkit.planning.motor_guide import MotorOrder, Wanted, lifts, motor_order, widest_motor
+from fieldkit.planning.motor_guide import MotorOrder, Wanted, label, lifts, motor_order, saved_delays, widest_motor
 from fieldkit.quantities import SYSTEMS, counted, measure, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services import launch_day
@@ -118,13 +118,17 @@ class NextPlan:
     builds: tuple[Flight, ...]
     wanted: Wanted
     rests_on: str
-    saved: tuple[Motor, ...] = ()
-    """Motors with an open forecast of this rocket, the latest first."""
+    saved: tuple[Found, ...] = ()
+    """Motors with an open forecast of this rocket, with their delays, the latest first."""
 
     def same_forecasts(self, other: "NextPlan") -> bool:
         """Whether every motor has the same forecast and the same safety checks as in another plan."""
         same = (self.full, self.site, self.limits) == (other.full, other.site, other.limits)
         return same and self.rocket.same_as(other.rocket)
+
+    def saved_delay(self, motor: Motor) -> float | None:
+        """The delay of a motor in its open forecast; None without one. [s]"""
+        return saved_delays(self.saved).get(label(motor))
 
     def order(self, target: float | None) -> MotorOrder:
         """The order in which motors are listed, with or without a target [m]."""
