@@ -1,9 +1,7 @@
 """The networks, the closed forms and the loop on sets of the bench and on real flights forward in time."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from datetime import date
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +11,20 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.history.response import respond
-from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
 from fieldkit.model.causes import NAMES
-from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import START, learned
-from fieldkit.model.rocket_model import FlownFlight, FlownFlights
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.motors import catalogue
 from fieldkit.physics.history import History, flown_and_planned
-from fieldkit.services.learn import read_flyer
 from fieldkit.shapes import Array
 from studies.quick_network.inputs import closed_forms, effect_names
 from studies.quick_network.network import FlightsNetwork, answers
-from studies.quick_network.scores import STUDENT_DRAWS, auc, of_probabilities, scored
+from studies.quick_network.scores import STUDENT_DRAWS, auc, compared_with_fit, of_probabilities, scored
 from studies.quick_network.tables import WorldTable, table
 from studies.quick_network.world import WorldHistory
-from tools.quick_beside_fit import flights_of, plan_again
+from tools.later_flights import flights_of, later_flights
+from tools.quick_beside_fit import plan_again
 
 Networks = Mapping[str, list[FlightsNetwork]]
-EXACT_SINCE = date(2011, 8, 1)
-"""The public journal's altitudes before are estimates."""
 
 
 def tabled(history: History, apogee: float, shared: SharedPrior | None, hyperprior: Any) -> WorldTable:
@@ -86,33 +78,6 @@ def _odds(chance: Array) -> Array:
     return np.asarray(np.log(limited / (1 - limited)))
 
 
-@dataclass(frozen=True, slots=True)
-class LaterFlight:
-    """A flight of a rocket flown before, with the earlier flights and the information from the flyer's others."""
-
-    earlier: FlownFlights
-    flown: FlownFlight
-    shared: SharedPrior | None
-
-
-def later_flights(path: Path) -> Iterator[LaterFlight]:
-    """Every clean flight with an apogee of a rocket that flew before, in the order flown."""
-    known = learned()
-    past: dict[str, list[FlownFlight]] = {}
-    fits: dict[str, tuple[int, RocketFit]] = {}
-    for flight, motor in read_flyer(path, catalogue(), EXACT_SINCE).flown:
-        own = past.setdefault(flight.rocket, [])
-        if flight.clean and flight.apogee is not None and any(one.clean and one.apogee for one, _ in own):
-            period = period_of(one for some in past.values() for one, _ in some)
-            for name, some in past.items():
-                used = [one for one in some if one[0].clean and one[0].readouts()]
-                if used and fits.get(name, (0,))[0] != len(used):
-                    fits[name] = len(used), rocket_fit(used, known, period)
-            others = [fit for name, (_, fit) in fits.items() if name != flight.rocket]
-            yield LaterFlight(tuple(own), (flight, motor), shared_prior(others, period))
-        own.append((flight, motor))
-
-
 def forward_in_time(path: Path, networks: Networks) -> Any:
     """Scores of the fit, the linear pass and the networks on the later flights of a flyer."""
     rows: dict[str, list[tuple[float, float, float, float]]] = {}
@@ -134,24 +99,6 @@ def forward_in_time(path: Path, networks: Networks) -> Any:
         for name, log_apogee in draws.items():
             rows.setdefault(name, []).append(scored(np.exp(np.clip(log_apogee, -5, 12)), apogee))
     return compared_with_fit(rows)
-
-
-def compared_with_fit(rows: Mapping[str, Sequence[Sequence[float]]]) -> Any:
-    """Means, and the ratio of each CRPS to the fit's with its 90% bootstrap interval."""
-    fit = np.array(rows["fit"])[:, 0]
-    some = np.random.default_rng(1).integers(len(fit), size=(2000, len(fit)))
-    found: dict[str, Any] = {"flights": len(fit)}
-    for name, scores in rows.items():
-        own = np.array(scores)
-        ratios = own[some, 0].mean(axis=1) / fit[some].mean(axis=1)
-        found[name] = {
-            "crps": round(float(own[:, 0].mean()), 4),
-            "ratio": round(float(own[:, 0].mean() / fit.mean()), 3),
-            "ratio90": [round(float(x), 3) for x in np.quantile(ratios, (0.05, 0.95))],
-            "coverage90": round(float(own[:, 2].mean()), 3),
-            "width": round(float(np.median(own[:, 3])), 3),
-        }
-    return found
 
 
 def beside_fit(lines: Sequence[Mapping[str, Any]]) -> Any:

@@ -10,7 +10,6 @@ from fieldkit.inference.history.evidence import Trials, weigh_placed
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
     declared_terms,
-    history_data,
     linear_fit,
     on_one_new_motor,
     prepared_fit,
@@ -25,7 +24,7 @@ from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.causes import signatures
 from fieldkit.model.documents import SEARCH_PRIOR, with_documents
 from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.readout_data import readings
+from fieldkit.model.readout_data import as_compared, readings
 from fieldkit.model.rocket_model import base_model, usual_terms
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.physics.effect import effects, spoken
@@ -104,7 +103,7 @@ def closed_forms(
     search = replace(search, hyperprior=scaled(search.hyperprior))
     search = search.with_terms(*usual_terms(search))
     candidates = quick_candidates(replace(search, history=on_one_new_motor(history)))
-    data = history_data(read, history.used_in_fit, search.hyperprior)
+    data = as_compared(read, history.used_in_fit, search.hyperprior)
     selection = robust(linear_fit(prepared_fit(search, history.flown), data, response))
     placed, chances = directions(candidates), inclusion_probabilities()
     prior = {**chances, "": chances[UNEXPLAINED]}
@@ -117,7 +116,7 @@ def closed_forms(
     ahead = base_model(history, with_documents(forecast), shared)
     ahead = replace(ahead, hyperprior=scaled(ahead.hyperprior))
     ahead = ahead.with_terms(*usual_terms(ahead)).with_terms(*declared_terms(history.flights))
-    ahead_data = history_data(read, history.used_in_fit, ahead.hyperprior)
+    ahead_data = as_compared(read, history.used_in_fit, ahead.hyperprior)
     plain = robust(linear_fit(prepared_fit(ahead, history.flown), ahead_data, response, start=selection.offset))
     causes, miss = _causes(plain)
     mixture = apogee_mixture(plain)

@@ -138,3 +138,21 @@ def scores(networks: Mapping[str, list[FlightsNetwork]], table: WorldTable) -> d
             "auc_of_cause": each,
         },
     }
+
+
+def compared_with_fit(rows: Mapping[str, Sequence[Sequence[float]]]) -> Any:
+    """Means, and the ratio of each CRPS to the fit's with its 90% bootstrap interval."""
+    fit = np.array(rows["fit"])[:, 0]
+    some = np.random.default_rng(1).integers(len(fit), size=(2000, len(fit)))
+    found: dict[str, Any] = {"flights": len(fit)}
+    for name, scores in rows.items():
+        own = np.array(scores)
+        ratios = own[some, 0].mean(axis=1) / fit[some].mean(axis=1)
+        found[name] = {
+            "crps": round(float(own[:, 0].mean()), 4),
+            "ratio": round(float(own[:, 0].mean() / fit.mean()), 3),
+            "ratio90": [round(float(x), 3) for x in np.quantile(ratios, (0.05, 0.95))],
+            "coverage90": round(float(own[:, 2].mean()), 3),
+            "width": round(float(np.median(own[:, 3])), 3),
+        }
+    return found

@@ -15,7 +15,6 @@ import numpy as np
 from fieldkit.inference.history.evidence import Trials, conditional, weigh_placed
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
-    history_data,
     history_model,
     linear_fit,
     on_one_new_motor,
@@ -26,7 +25,7 @@ from fieldkit.inference.history.placed_effects import Candidates, PlacedEffect, 
 from fieldkit.inference.history.response import FlightResponse, respond
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.model.documents import SEARCH_PRIOR
-from fieldkit.model.readout_data import Data, readings
+from fieldkit.model.readout_data import Data, as_compared, readings
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
@@ -71,7 +70,7 @@ def effect_probabilities(
     terms = [*model.terms, *(term for candidate in candidates for term in candidate.terms)]
     response = respond(history, {*also, *(term.name.quantity for term in terms if isinstance(term.bends, Effect))})
     read = readings(history.flights[: history.flown], history.found[: history.flown])
-    data = history_data(read, history.used_in_fit, model.hyperprior)
+    data = as_compared(read, history.used_in_fit, model.hyperprior)
     plain = linear_fit(prepared_fit(model, history.flown), data, response)
     trials = weigh_placed(robust(plain), directions(candidates))
     odds, none = odds_of(trials, {**inclusion, "": inclusion[unexplained]})

@@ -7,7 +7,6 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.inference.history.response import (
-    IN_LOG,
     MAX_DRAG_OFFSET,
     FlightResponse,
     drag_term,
@@ -20,7 +19,7 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, probable_scales, solve
 from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
+from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model, Term, base_model, strength_term, usual_terms
 from fieldkit.model.scale import Scale, scale_grid
 from fieldkit.model.shared_prior import SharedPrior
@@ -117,13 +116,6 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
         for name, effect in effects().items()
         if effect.declared and differs_from_zero(flights, effect.needs)
     ]
-
-
-def history_data(found: ReadingsOfFlights, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
-    """The readouts that a linear pass uses: all except those from logs."""
-    data = as_compared(found, used_in_fit, hyperprior)
-    seen = data.seen & ~IN_LOG
-    return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
 
 
 def prepared_fit(model: Model, flown: int) -> PreparedFit:

@@ -13,7 +13,6 @@ from fieldkit.flight import Flight
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
     PreparedFit,
-    history_data,
     history_model,
     linear_fit,
     prepared_fit,
@@ -33,7 +32,7 @@ from fieldkit.inference.history.response import FlightResponse, off_reference, r
 from fieldkit.inference.history.usual_flights import Cases, with_one_offs
 from fieldkit.model.documents import with_documents
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, readings
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, as_compared, readings
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.history import History
@@ -172,7 +171,7 @@ def _data(ready: PreparedHistory, flown: Sequence[Flight]) -> Data:
     read = ready.fit.model.once("readings", lambda: readings(before, history.found[: len(before)]))
     if rows := [row for row, (now, then) in enumerate(zip(flown, before, strict=True)) if now is not then]:
         read = read.changed(rows, readings([flown[row] for row in rows], [history.found[row] for row in rows]))
-    return history_data(read, history.used_in_fit, ready.fit.model.hyperprior)
+    return as_compared(read, history.used_in_fit, ready.fit.model.hyperprior)
 
 
 def _robust_fit(ready: PreparedHistory, data: Data) -> LinearFit:

@@ -15,7 +15,6 @@ from types import MappingProxyType
 import numpy as np
 
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.simulated_readouts import shown
@@ -42,8 +41,6 @@ DELAY_STEP = 0.08
 """Step of the log delay to both sides, because readouts have a kink when ejection is at apogee. [1]"""
 GROWN_FLIGHTS = 8.0
 """Number of earlier flights for the step of an effect that grows from flight to flight. [1]"""
-IN_LOG = np.array([name in FROM_LOGS for name in OBSERVED_READOUTS])
-"""Readouts that only the samples of a log provide; the history network does not use them."""
 _OF_READOUTS = dict(zip(OBSERVED_READOUTS, np.eye(len(OBSERVED_READOUTS)), strict=True))
 """The effect of a unit of a reading's bias."""
 
@@ -113,7 +110,7 @@ def respond(
     with np.errstate(invalid="ignore"):
         moved = np.nan_to_num(by_drag - by_drag[:, :1], posinf=0.0, neginf=0.0)
         others = np.nan_to_num(flown[stepped:] - by_drag[MIDDLE, 0], posinf=0.0, neginf=0.0)
-    moves = {"": np.where(IN_LOG, np.nan, by_drag[:, 0])}
+    moves = {"": by_drag[:, 0]}
     moves |= {kind: moved[:, row] / step for row, (kind, step) in enumerate(each_drag) if kind}
     once = {kind: others[row] / step for row, (kind, step) in enumerate(at_middle) if kind in STEPS_AT_MIDDLE}
     there, back = (others[row] for row, (kind, _) in enumerate(at_middle) if kind == "delay")

@@ -13,7 +13,6 @@ from fieldkit.inference.history.evidence import conditional, weigh
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
     declared_terms,
-    history_data,
     history_model,
     linear_fit,
     prepared_fit,
@@ -32,7 +31,7 @@ from fieldkit.inference.history.response import (
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.readout_data import readings
+from fieldkit.model.readout_data import as_compared, readings
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
@@ -56,7 +55,7 @@ def response() -> FlightResponse:
 @pytest.fixture(scope="module")
 def linear(response: FlightResponse) -> LinearFit:
     model = history_model(WORN, CERTIFIED_PRIOR, declared=False)
-    data = history_data(readings(WORN.flights[:COUNT], WORN.found[:COUNT]), WORN.used_in_fit, CERTIFIED_PRIOR)
+    data = as_compared(readings(WORN.flights[:COUNT], WORN.found[:COUNT]), WORN.used_in_fit, CERTIFIED_PRIOR)
     return linear_fit(prepared_fit(model, COUNT), data, response)
 
 

@@ -45,6 +45,17 @@ def test_a_rocket_that_flew_lower_is_forecast_lower() -> None:
     assert 0.75 < ratio < 0.9
 
 
+def test_drag_in_logs_narrows_the_posterior_of_drag_as_it_does_that_of_the_fit() -> None:
+    whole = history(6, recorded=("apogee",))
+    flown = [flight.with_changes(coast_drag=0.004, coast_drag_sd=0.0002) for flight in whole.flights[:-1]]
+    logged = replace(whole, flights=(*flown, whole.flights[-1]))
+    narrower = answer(logged).log_cd[1] / answer(whole).log_cd[1]
+    assert narrower < 0.8
+    known, typed = (list(zip(one.flights, one.found, strict=True)) for one in (logged, whole))
+    sds = [np.log(predict(some[:-1], some[-1:])[0].cd).std() for some in (known, typed)]
+    assert narrower == pytest.approx(sds[0] / sds[1], rel=0.2)
+
+
 def test_the_draws_have_the_moments_of_the_mixture() -> None:
     weight, mean = np.array([0.25, 0.75]), np.array([[4.0], [5.0]])
     known, own = np.array([[0.01], [0.04]]), np.array([[0.02], [0.01]])
