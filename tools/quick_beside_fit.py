@@ -1,9 +1,9 @@
-"""Quick answers beside the fit and the loop: `python -m tools.quick_beside_fit FOLDER [--bench SETS] [--flyers TABLE ...]`.
+"""`python -m tools.quick_beside_fit FOLDER`: quick answers beside the fit and the loop.
 
-Flights of flyers, each forecast from the earlier ones; sets of `python -m bench.make`, whose simulator is another one:
-the forecast of the last flight and the probabilities of effects; and for some `--seconds` simulated histories: the
-forecast and the causes of single flights. One JSON line each in the folder, as done. `python -m tools.quick_beside_fit
-FOLDER --page` writes `docs/measured/quick_answers.md` from them.
+Flights of `--flyers`, each forecast from the earlier ones; `--bench` sets of `python -m bench.make`, whose simulator is
+another one: the forecast of the last flight and the probabilities of effects; and for some `--seconds` simulated
+histories: the forecast and the causes of single flights. One JSON line each in the folder, as done. With `--page`
+instead, it writes `docs/measured/quick_answers.md` from them.
 """
 
 import argparse
