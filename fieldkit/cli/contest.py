@@ -10,7 +10,15 @@ import typer
 from fieldkit import files
 from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, print_safety, season_year
+from fieldkit.cli.planning import (
+    AllChecks,
+    RocketLength,
+    about_plan,
+    planning,
+    print_basis,
+    print_plan,
+    season_year,
+)
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import ForceOption, settled
@@ -41,6 +49,7 @@ def finals(
         Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
     ] = None,
     force: ForceOption = False,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -75,10 +84,10 @@ def finals(
         if between is not None:
             rule = replace(rule, finals_range=(between[0] * FOOT, between[1] * FOOT), finals_never=None)
 
-        def checks(one: "Prediction", area: float) -> "list[SafetyCheck]":
+        def checked(one: "Prediction", area: float) -> "list[SafetyCheck]":
             return [*planned.safety(one, area), *allowed(rule, one.plan, one.found, long)]
 
-        one = finals_plan(plan, rule, checks, least)
+        one = finals_plan(plan, rule, checked, least)
     chosen, fall, prediction = system(), one.flown.fall, one.heaviest
     if card is not None:
         files.write(card, finals_card_of(one, card.suffix.lower(), chosen), force=force)
@@ -88,13 +97,12 @@ def finals(
         document |= {"flights": prediction.rests_on, "timed_flights": fall.flights}
         print_json(document | about_plan(prediction, one.lines))
         return
-    say_wrapped(ENDS_NOTE)
-    print_safety(prediction.plan, one.lines, plan.rocket.known)
-    say()
     for line in (*FINALS_NOTES, *finals_notes(one), *finals_heading(one, chosen)):
         say_wrapped(line)
     headers = finals_headers(fall, chosen)
     print_table(headers, finals_rows(one, chosen), numbers=headers)
+    print_basis(prediction.plan, one.lines, plan.rocket.known, every=checks)
+    say_wrapped(ENDS_NOTE)
 
 
 takes_plan(finals)
@@ -117,6 +125,7 @@ def contest(
     cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify; needs --motor.")] = None,
     declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
     own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -178,7 +187,13 @@ def contest(
         )
         say_wrapped(f"  score     {total:.2f} points, the best {rule.best} of {', '.join(names)}{without}", " " * 10)
     if ahead is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, planned.rocket.known)
+        print_plan(
+            outlook_in_words(ahead, rule, area, cut, system()),
+            ahead.forecast.plan,
+            lines,
+            planned.rocket.known,
+            every=checks,
+        )
 
 
 takes_plan(contest)

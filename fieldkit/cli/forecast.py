@@ -10,11 +10,13 @@ from fieldkit.cli.options import PLAN_TEXTS, takes_plan
 from fieldkit.cli.plan_options import plan_from_options, remember
 from fieldkit.cli.planning import (
     OF_THE_FIELD,
+    UNFOLD,
+    AllChecks,
     about_plan,
     check_given_with_table,
     known_rocket,
     planned_table,
-    print_safety,
+    print_basis,
     safety_of,
     way_down,
 )
@@ -69,6 +71,7 @@ def predict(
             help="At once, if a check with the simulator confirms it; not saved, and without safety checks.",
         ),
     ] = False,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -99,13 +102,12 @@ def predict(
         ]
         print_json({"predictions": documents})
     elif flights is None:
-        print_safety(predictions[0].plan, lines[0], rocket)
-        say()
         _print_one(predictions[0], ledger.remarks)
+        print_basis(predictions[0].plan, lines[0], rocket, every=checks)
     else:
-        _print_safety_of_all(predictions, lines)
-        say()
         _print_table(predictions)
+        say()
+        _print_safety_of_all(predictions, lines, every=checks)
     if unsaved is not None:
         raise LedgerError(f"saving the forecast failed: {unsaved}") from unsaved
 
@@ -189,13 +191,19 @@ def _print_table(predictions: "list[Prediction]") -> None:
     print_table(headers, rows, numbers=["apogee", "5%", "95%", "eject"])
 
 
-def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:
-    """Print the air and the safety checks of each planned flight, and who decides."""
+def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]", *, every: bool) -> None:
+    """Print the air and the safety checks of planned flights, each text once with the flights that it concerns: failed
+    checks and the number of the others, or `every` check in full; and who decides."""
     from fieldkit.planning.air import air_of
+    from fieldkit.presentation.safety_text import every_check, failed_checks, other_checks
 
+    flights_of: dict[str, list[str]] = {}
     for one, own in zip(predictions, lines, strict=True):
-        name = one.plan.flight_id or one.plan.motor
-        say_wrapped(f"{name}: air {air_of(one.plan).words(system())}", "  ")
-        for line in own:
-            say_wrapped(f"{name}: {line.words(system())}", "  ")
-    say_wrapped(ADVICE_NOTE)
+        checks = every_check(own, system()) if every else (*failed_checks(own, system()), *other_checks(own))
+        for text in (f"air {air_of(one.plan).words(system())}", *checks):
+            flights_of.setdefault(text, []).append(one.plan.flight_id or one.plan.motor)
+    for text, flights in flights_of.items():
+        if text != ADVICE_NOTE:
+            named = "every flight" if 1 < len(flights) == len(predictions) else ", ".join(flights)
+            say_wrapped(f"{named}: {text}", "  ")
+    say_wrapped(ADVICE_NOTE if every else f"{UNFOLD}. {ADVICE_NOTE}")

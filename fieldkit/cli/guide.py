@@ -207,6 +207,8 @@ def _print(
     fit = f"{len(choices) if choices[0].fits else 'none'} of {counted(of, 'motor')} of {width}"
     say(f"{fit} fit and are not excluded by a check" if choices[0].fits else f"{fit} fits: checks exclude every one")
     _say_target(target)
+    say()
+    _table(choices, names, ALL_DELAYS if every else SHOWN_DELAYS)
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         assumed, twice = (in_system(message(fine(one, "m")), system()) for one in (RAIL_LENGTH, 2 * RAIL_LENGTH))
         say_wrapped(
@@ -234,8 +236,6 @@ def _print(
         say_wrapped(f"box     in your range box: {', '.join(held)}; --box forecasts only those", "        ")
     say_wrapped(f"based on {rests_in_words(prediction)}")
     print_conditions(prediction.plan, plan.rocket.known)
-    say()
-    _table(choices, names, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
 def _print_checks(choices: "list[MotorChoice]", names: MotorNames, *, every: bool) -> None:

@@ -8,7 +8,7 @@ import typer
 from fieldkit import files
 from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, planning, print_plan
+from fieldkit.cli.planning import AllChecks, about_plan, planning, print_plan
 from fieldkit.cli.screen import AsJson, complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import ForceOption, settled
@@ -48,6 +48,7 @@ def landing(
         typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north. Default: 270, west."),
     ] = None,
     force: ForceOption = False,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -104,7 +105,7 @@ def landing(
         document: dict[str, Any] = {"rocket": prediction.plan.rocket, "motor": found.motor.designation} | one.json()
         print_json(document | {"on_field": _on_field(down, site.size)} | about_plan(prediction, lines))
         return
-    print_plan(words, prediction.plan, lines, known)
+    print_plan(words, prediction.plan, lines, known, every=checks)
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:

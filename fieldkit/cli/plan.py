@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan
+from fieldkit.cli.planning import AllChecks, RocketLength, about_plan, planning, print_plan
 from fieldkit.cli.screen import AsJson, print_json, system
 from fieldkit.paths import data_file
 
@@ -20,6 +20,7 @@ def delay(
     cuts: Annotated[
         str | None, typer.Option(help="Seconds that your tool can remove from the longest delay: 2,4,6,8.")
     ] = None,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -45,7 +46,7 @@ def delay(
         document |= {"delays": [one.json() for one in judged.delays], "words": list(judged.words)}
         print_json(document | {"drill": tool.json() if tool else None} | about_plan(prediction, lines))
         return
-    print_plan(delays_in_words(judged, fast, tool, system()), prediction.plan, lines, plan.rocket.known)
+    print_plan(delays_in_words(judged, fast, tool, system()), prediction.plan, lines, plan.rocket.known, every=checks)
 
 
 LONGEST_CUT = 10.0
@@ -87,6 +88,7 @@ def ballast(
         bool, typer.Option("--miss", help="Minimize the mean miss instead of the chance of a miss.")
     ] = False,
     rocket_length: RocketLength = None,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -117,7 +119,7 @@ def ballast(
         document |= {"flights": prediction.rests_on, "model": prediction.model}
         print_json(document | best.json() | about_plan(prediction, lines))
         return
-    print_plan(ballast_in_words(best, goal, system()), prediction.plan, lines, plan.rocket.known)
+    print_plan(ballast_in_words(best, goal, system()), prediction.plan, lines, plan.rocket.known, every=checks)
 
 
 takes_plan(ballast)

@@ -17,7 +17,7 @@ from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import DamagedLog, NoFlights, UnknownMotor, of_rocket
 from fieldkit.flight.site import Site
 from fieldkit.paths import data_file
-from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck, short_safety_text
+from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
 from fieldkit.planning.limits import Limit, limits
 
 if TYPE_CHECKING:
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from fieldkit.planning.forecasts import Plan, RocketData
     from fieldkit.rocket import Rocket
 
+AllChecks = Annotated[bool, typer.Option("--checks", help="Print every safety check in full, with its rule.")]
+"""The option of every command that prints the safety checks of a plan."""
+UNFOLD = "--checks lists every check"
+"""How to see the checks that are folded."""
 RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
 
 
@@ -222,29 +226,41 @@ def about_plan(prediction: "Prediction", lines: "Sequence[SafetyCheck]") -> dict
     }
 
 
-def print_conditions(plan: "Flight", rocket: "Rocket") -> None:
-    """Print the conditions of a plan and the design it starts from."""
+def print_conditions(plan: "Flight", rocket: "Rocket", *, brief: bool = False) -> None:
+    """Print the conditions of a plan and the design it starts from; `brief` leaves out what others would change."""
     from fieldkit.presentation.planning_text import conditions_in_words
 
-    for text in conditions_in_words(plan, rocket, system()):
+    for text in conditions_in_words(plan, rocket, system(), brief=brief):
         say_wrapped(text, " " * 10)
 
 
-def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", rocket: "Rocket") -> None:
-    """Print the conditions and safety checks of a plan, and its result last, where it stays on a small screen."""
-    print_safety(plan, lines, rocket)
-    say()
+def print_plan(
+    words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", rocket: "Rocket", *, every: bool
+) -> None:
+    """Print the result of a plan, then its conditions and safety checks, in brief or `every` one in full."""
     for text in words:
         say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
+    print_basis(plan, lines, rocket, every=every)
 
 
 _WIDTH = 79
 """Maximum width of a line that is printed unwrapped. [character]"""
 
 
-def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", rocket: "Rocket") -> None:
-    """Print the conditions of a plan, the safety checks in short, the worst last, and who decides."""
-    print_conditions(plan, rocket)
+def print_basis(plan: "Flight", lines: "Sequence[SafetyCheck]", rocket: "Rocket", *, every: bool) -> None:
+    """Print the conditions and safety checks of a plan, in brief or `every` one in full."""
+    say()
+    print_conditions(plan, rocket, brief=not every)
+    print_safety(lines, every=every)
+
+
+def print_safety(lines: "Sequence[SafetyCheck]", *, every: bool) -> None:
+    """Print what the failed safety checks found and the number of the others, or `every` check in full; and who
+    decides."""
+    from fieldkit.presentation.safety_text import every_check, failed_checks, other_checks
+
+    others = "; ".join([*other_checks(lines), UNFOLD])
+    folded = (*failed_checks(lines, system()), others, ADVICE_NOTE)
     say("  safety")
-    for text in short_safety_text(lines, system()):
+    for text in every_check(lines, system()) if every else folded:
         say_wrapped(f"    {text}", "  ")

@@ -8,14 +8,14 @@ import typer
 
 from fieldkit.cli.numbers import finite, typed
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
-from fieldkit.cli.planning import own_limits
-from fieldkit.cli.screen import AsJson, complain, measured, print_json, say, say_wrapped, system
+from fieldkit.cli.planning import AllChecks, own_limits, print_safety
+from fieldkit.cli.screen import AsJson, complain, measured, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.errors import BadValue
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.flight.site import Site
 from fieldkit.messages import marked, message
-from fieldkit.planning.check import OFF_APOGEE, SafetyCheck, short_safety_text
+from fieldkit.planning.check import OFF_APOGEE, SafetyCheck
 from fieldkit.units import unit
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ def simulate(
             "default: that of --cd."
         ),
     ] = None,
+    checks: AllChecks = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -92,7 +93,7 @@ def simulate(
     if physics is Physics.paper:
         if cd is None:
             raise typer.BadParameter("found no --cd, expected one for the paper's physics")
-        _print(paper_flight(plan, cd, alpha), json)
+        _print(paper_flight(plan, cd, alpha), json=json)
         return
     low, drag, high = (cd, cd, cd) if cd is not None else usual_cd()
     found = known_motors().resolve_several(plan.motor, _boosters(booster_mass, booster_cd, drag))
@@ -123,16 +124,17 @@ def simulate(
     lines = []
     if found.motor.kind == "stages":
         lines = staged_lines(plan, found, highest, Site(), own_limits())
-    _print(result, json, lines)
+    _print(result, lines, every=checks, json=json)
 
 
-def _print(result: dict[str, Any], json: bool, lines: "Sequence[SafetyCheck] | None" = None) -> None:
-    """Print the figures of a flight, and its safety checks if it has any; `lines` is None for the paper's physics."""
+def _print(
+    result: dict[str, Any], lines: "Sequence[SafetyCheck] | None" = None, *, every: bool = False, json: bool
+) -> None:
+    """Print the figures of a flight, and its safety checks if it has any, failed ones or `every` one in full; `lines`
+    is None for the paper's physics."""
     if json:
         print_json({**result, "safety": [line.json() for line in lines]} if lines else result)
         return
-    for text in short_safety_text(lines, system()) if lines else ():
-        say_wrapped(f"  {text}", "    ")
     figures = [(title, measured(name, value)) for title, name, value in _figures(result)]
     width = max(len(title) for title, _ in figures)
     for title, text in figures:
@@ -141,6 +143,8 @@ def _print(result: dict[str, Any], json: bool, lines: "Sequence[SafetyCheck] | N
         say_wrapped(
             "Apogee and ejection altitude are as a barometric altimeter shows them; true apogee is above the pad."
         )
+    if lines:
+        print_safety(lines, every=every)
 
 
 def _boosters(masses: str | None, cds: str | None, cd: float) -> "tuple[Booster, ...]":

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -81,9 +81,9 @@ def worst(checks: Sequence[SafetyCheck]) -> SafetyCheck:
     return max(checks, key=lambda check: SEVERITY.index(check.verdict))
 
 
-def worst_last(checks: Sequence[SafetyCheck]) -> list[SafetyCheck]:
-    """Checks from the mildest verdict to the worst, otherwise in their order: the last ones stay on a small screen."""
-    return sorted(checks, key=lambda check: SEVERITY.index(check.verdict))
+def worst_first(checks: Iterable[SafetyCheck]) -> list[SafetyCheck]:
+    """Checks from the worst verdict to the mildest, otherwise in their order."""
+    return sorted(checks, key=lambda check: -SEVERITY.index(check.verdict))
 
 
 def strictest(light: Sequence[SafetyCheck], heavy: Sequence[SafetyCheck]) -> list[SafetyCheck]:
@@ -101,30 +101,6 @@ def strictest(light: Sequence[SafetyCheck], heavy: Sequence[SafetyCheck]) -> lis
 def by_chance(chance: float) -> Verdict:
     """Verdict of a check whose limit is missed with this probability [1]."""
     return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
-
-
-def safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
-    """All lines as text, in a system of units, followed by who decides."""
-    yield from (line.words(system) for line in lines)
-    yield ADVICE_NOTE
-
-
-def short_safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
-    """The lines as text for a small screen, the worst last: what passed by name, what the flyer checks by name, what
-    lacks data without the rule's wording, and every failed check in full; followed by who decides."""
-    passed = [f"{line.name}{line.suffix}" for line in lines if line.verdict == "ok"]
-    by_eye = dict.fromkeys(line.name for line in lines if line.by_eye)
-    if passed:
-        yield f"{MARKS['ok']} ok: {', '.join(passed)}"
-    if by_eye:
-        yield f"{MARKS['unknown']} check yourself: {', '.join(by_eye)}"
-    for line in worst_last([line for line in lines if line.verdict != "ok" and not line.by_eye]):
-        yield (
-            line.words(system)
-            if line.failed
-            else f"{MARKS[line.verdict]} {line.name}: {in_system(message(line.finding), system)}{line.suffix}"
-        )
-    yield ADVICE_NOTE
 
 
 figure = amount

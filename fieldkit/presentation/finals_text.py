@@ -125,7 +125,7 @@ def finals_failures(lines: Sequence[SafetyCheck]) -> str:
 
 
 ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
-"""Line above the safety checks of the finals."""
+"""Line next to the safety checks of the finals."""
 FINALS_NOTES = (
     "change: against the mass of the plan. parachute: area relative to the one flown or entered. "
     "*: at the limit of the masses and areas tried; a wider range may be better. "

@@ -38,19 +38,24 @@ OFF_VERTICAL = "by 0.8 to 1%"
 """How much a rail 5 degrees off vertical lowers an apogee of the same flights, without wind."""
 
 
-def conditions_in_words(plan: Flight, rocket: Rocket | None = None, system: str = "SI") -> Iterator[str]:
+def conditions_in_words(
+    plan: Flight, rocket: Rocket | None = None, system: str = "SI", *, brief: bool = False
+) -> Iterator[str]:
     """A plan's air and its effect on the altimeter, its other conditions, and the design whose Cd it starts from if the
-    `rocket` has one; in the units of a system."""
+    `rocket` has one; in the units of a system. `brief` leaves out by how much other conditions than those assumed
+    change the apogee."""
     air = air_of(plan)
-    other = f" ({air.other(system)})" if air.assumed else ""
+    other = f" ({air.other(system)})" if air.assumed and not brief else ""
     yield f"  air       {air.words(system)}{other}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     breeze = measure(BY_NAME["wind"], BREEZE, system)
-    blows = f"wind {wind}" if wind else f"wind not given (from calm to {breeze} the apogee falls {IN_A_BREEZE})"
+    windy = "" if brief else f" (from calm to {breeze} the apogee falls {IN_A_BREEZE})"
+    blows = f"wind {wind}" if wind else f"wind not given{windy}"
     slanted = f"at {(angle or '').removeprefix('-')} {_way(plan)}"
-    upright = "vertical" if angle else f"vertical (default; 5° off lowers the apogee {OFF_VERTICAL})"
+    tilted = "" if brief else f"; 5° off lowers the apogee {OFF_VERTICAL}"
+    upright = "vertical" if angle else f"vertical (default{tilted})"
     yield f"  with      {blows}, {rail}, {slanted if plan.rail_angle else upright}"
     design = rocket.design(plan.config) if rocket is not None else None
     if design is not None and design.cd:

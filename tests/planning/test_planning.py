@@ -429,7 +429,8 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
     motor = [] if command[0] == "motors" else ["--motor", "F24-4W"]
     day = ["--wind", "10m/s", "--temperature", "35c", "--waiver", "100m", "--motor-temperature", "100F"]
     capsys.readouterr()
-    assert main(["--ledger", path, *command, *motor, *day]) == 0
+    checks = [] if command[0] == "motors" else ["--checks"]
+    assert main(["--ledger", path, *command, *motor, *day, *checks]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "1.145 kg/m³ at the pad" in out
     assert "% low" in out
@@ -458,7 +459,7 @@ def test_the_ceiling_of_a_saved_site_applies_to_plans(path: str, capsys: pytest.
     capsys.readouterr()
     assert main(["--ledger", path, "sites", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["sites"][0]["size_m"] == 300.0
-    assert main(["--ledger", path, "predict", "--motor", "F24", "--site", "Meadow"]) == 0
+    assert main(["--ledger", path, "predict", "--motor", "F24", "--site", "Meadow", "--checks"]) == 0
     assert "ceiling 100 m [ceiling of Meadow]" in " ".join(capsys.readouterr().out.split())
 
 

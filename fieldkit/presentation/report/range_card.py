@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.flight.site import Site
-from fieldkit.planning.check import ADVICE_NOTE, SEVERITY, SafetyCheck
+from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck, worst_first
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing
 from fieldkit.presentation.report.style import drawn, without_markup
 from fieldkit.quantities import ShownUnits
@@ -48,9 +48,8 @@ def range_card(
     notes_below = "\n".join(_wrapped(line, NOTE_LINE, NOTE_INDENT) for line in words[1:])
     figure.text(0.06, top, notes_below, fontsize=FONT, va="top", family="monospace")
     below = min(CHECKS_TOP, top - ROW * (notes_below.count("\n") + 2))
-    worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
     figure.text(0.06, below, "Safety lines", fontsize=11, fontweight="bold", va="top")
-    texts = [*(line.words(system) for line in worst_first), "", ADVICE_NOTE]
+    texts = [*(line.words(system) for line in worst_first(lines)), "", ADVICE_NOTE]
     safety, size = fitted(texts, (below - 2 * ROW - FOOT_OF_PAGE) / ROW)
     figure.text(0.06, below - 2 * ROW, safety, fontsize=size, va="top", family="monospace")
     _map(figure, found, site, ShownUnits(system).length_unit)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
 from fieldkit.messages import message
-from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, SafetyCheck
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, worst_first
 from fieldkit.presentation.report.range_card import FONT, LINE, NOTE_INDENT, ROW, fitted
 from fieldkit.presentation.report.style import A4, drawn, without_markup
 from fieldkit.quantities import in_system
@@ -25,7 +25,7 @@ TOP, FOOT_OF_PAGE = 0.965, 0.09
 def sheet_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
     """The sections of the sheet: failed and passed checks with their rule and source, what is not known, and what is
     checked by eye; amounts in the units of a system."""
-    judged = sorted((one for one in lines if one.verdict != "unknown"), key=lambda one: -SEVERITY.index(one.verdict))
+    judged = worst_first(one for one in lines if one.verdict != "unknown")
     yield f"CHECKED ({len(judged)}), by rule and source"
     for one in judged:
         basis = "; ".join(part for part in (one.rule, one.source) if part) or "no rule needed"

@@ -1,6 +1,6 @@
 """The forecast of a motor in words and figures, for the card next to the motors."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from textual.binding import Binding
 
@@ -8,11 +8,12 @@ from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.messages import marked, message
 from fieldkit.planning.air import air_of
-from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, safety_text
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, worst_first
 from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.planning.quantiles import Three
 from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.presentation.forecast_text import narrows, when_it_fires
+from fieldkit.presentation.safety_text import every_check, failed_checks, other_checks
 from fieldkit.quantities import in_system, measure, number, spelled, unit_of, with_sd
 from fieldkit.tui.next import motor_rows
 from fieldkit.tui.next.next_plan import NextPlan
@@ -34,10 +35,6 @@ KEYS_OF_COMMANDS = {
     "not given: use --wind for the pad, --wind-aloft for higher up": "not given: press p on the Fly page to enter it",
 }
 """What messages of commands name, and the keys that do the same."""
-EYE = "to check yourself"
-"""What checks are that only the flyer can make."""
-WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
-"""Verdicts in the order in which a flyer should read them."""
 
 
 def rail_speed(prediction: Prediction, system: str) -> str:
@@ -110,36 +107,24 @@ def saved_in_words(prediction: Prediction, system: str) -> str:
 def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterator[str]:
     """The names of the checks that fail, and how many others there are: `⊘ rail exit speed`, `! ground wind`,
     `? 12 not given, 6 to check yourself`, `✓ 5 passed`."""
-    for verdict in WORST_FIRST:
-        found = [line for line in lines if line.verdict == verdict]
-        if found and verdict in ("unsafe", "caution"):
+    failed: tuple[Verdict, ...] = ("unsafe", "caution")
+    for verdict in failed:
+        if found := [line for line in lines if line.verdict == verdict]:
             yield f"{MARKS[verdict]} {', '.join(line.name for line in found)}"
-    yield from _others(lines)
+    yield from other_checks(lines)
 
 
-def _others(lines: Sequence[SafetyCheck]) -> Iterator[str]:
-    """How many checks lack data, are the flyer's to make, or passed."""
-    unknown = [line for line in lines if line.verdict == "unknown"]
-    by_eye = sum(line.by_eye for line in unknown)
-    counts = [f"{count} {word}" for count, word in ((len(unknown) - by_eye, "not given"), (by_eye, EYE)) if count]
-    if counts:
-        yield f"{MARKS['unknown']} {', '.join(counts)}"
-    if passed := sum(line.verdict == "ok" for line in lines):
-        yield f"{MARKS['ok']} {passed} passed"
-
-
-def folded(lines: Iterable[SafetyCheck], system: str) -> Iterator[str]:
+def folded(lines: Sequence[SafetyCheck], system: str) -> Iterator[str]:
     """What the failed checks found, the numbers of the others, and the key that shows all with rules and sources."""
-    every = worst_first(lines)
-    yield from (by_keys(line.words(system, source=False, rule=False)) for line in every if line.failed)
-    yield from _others(every)
+    yield from map(by_keys, failed_checks(lines, system))
+    yield from other_checks(lines)
     yield UNFOLD
     yield ADVICE_NOTE
 
 
-def unfolded(lines: Iterable[SafetyCheck], system: str) -> Iterator[str]:
+def unfolded(lines: Sequence[SafetyCheck], system: str) -> Iterator[str]:
     """Every check in full, those that failed first, with rules and sources."""
-    yield from map(by_keys, safety_text(worst_first(lines), system))
+    yield from map(by_keys, every_check(lines, system))
 
 
 def by_keys(text: str) -> str:
@@ -147,11 +132,6 @@ def by_keys(text: str) -> str:
     for command, keys in KEYS_OF_COMMANDS.items():
         text = text.replace(command, keys)
     return text
-
-
-def worst_first(lines: "Iterable[SafetyCheck]") -> "list[SafetyCheck]":
-    """The checks that fail first, else in their order."""
-    return sorted(lines, key=lambda line: WORST_FIRST.index(line.verdict))
 
 
 def _ejection(eject: float | None) -> str:
