@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import date
+from datetime import date, datetime
 from itertools import count
 from typing import Any
 
@@ -145,6 +145,20 @@ def rockets_flown(connection: Connection) -> list[str]:
     """Every rocket, that of the latest flight first; one without any date comes last. Raises DamagedRow."""
     flown = func.max(flights.c.date_time).desc().nulls_last(), func.max(flights.c.entry).desc()
     return known_names(connection.scalars(select(flights.c.rocket).group_by(flights.c.rocket).order_by(*flown)))
+
+
+def first_day(connection: Connection) -> date | None:
+    """The day of the earliest flight with a motor, a mass and an apogee; None without a dated one. Raises
+    DamagedRow."""
+    at, known = flights.c.date_time, (flights.c.date_time, flights.c.dry_mass, flights.c.apogee)
+    wanted = [flights.c.motor != "", *(column.is_not(None) for column in known)]
+    first = connection.scalar(select(at).where(*wanted).order_by(at).limit(1))
+    if first is None:
+        return None
+    try:
+        return datetime.fromisoformat(first).date()
+    except (TypeError, ValueError) as error:
+        raise DamagedRow(f"found the date {first!r}, expected one such as 2026-05-01T10:30") from error
 
 
 def elevations(connection: Connection) -> dict[str, float]:

@@ -308,6 +308,11 @@ class Ledger:
         with self._reading() as connection:
             return finding.rockets_flown(connection)
 
+    def first_day(self) -> date | None:
+        """The day of the earliest flight with a motor, a mass and an apogee; None without a dated one."""
+        with self._reading() as connection:
+            return finding.first_day(connection)
+
     def elevations(self) -> dict[str, float]:
         """The elevation of every site in the flights, as recorded latest. [m]"""
         with self._reading() as connection:

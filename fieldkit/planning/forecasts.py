@@ -10,7 +10,7 @@ from fieldkit.flight.plausibility import MIN_CALIBER_RATIO
 from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.kinds import by_kind
-from fieldkit.forecast.predict import DRAWS, FittedForecast, fly_ahead, learn
+from fieldkit.forecast.predict import DRAWS, Fits, FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, Motor
@@ -93,18 +93,24 @@ class Plan:
 
 
 def forecasts(
-    rocket: RocketData, planned: PlannedFlights, *, draws: int = DRAWS, paired: bool = True, in_order: bool = False
+    rocket: RocketData,
+    planned: PlannedFlights,
+    *,
+    draws: int = DRAWS,
+    paired: bool = True,
+    in_order: bool = False,
+    fits: Fits | None = None,
 ) -> list[Prediction]:
     """Forecasts of plans, each as the next flight or `in_order` flown one after the other, in the given order; nothing
     is saved. Every forecast of fieldkit for a flyer is made here.
 
-    `paired` as in `fieldkit.forecast.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a
-    mass.
+    `paired` as in `fieldkit.forecast.predict.fly_ahead`, `fits` as in `fieldkit.forecast.predict.predict`. Raises
+    ImpossibleFlight for a plan without a mass.
     """
 
     def of_rows(rows: Sequence[int]) -> list[Prediction]:
         index = [len(rocket.history) + row for row in rows] if in_order else None
-        fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws, index)
+        fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws, index, fits)
         return forecast_plans(rocket, fitted, paired)
 
     return by_kind(rocket.history, planned, of_rows)
@@ -120,12 +126,16 @@ def check_width(plan: Flight, motor: Motor) -> None:
 
 
 def fitted_forecast(
-    rocket: RocketData, planned: PlannedFlights, draws: int = DRAWS, flight_index: Sequence[int] | None = None
+    rocket: RocketData,
+    planned: PlannedFlights,
+    draws: int = DRAWS,
+    flight_index: Sequence[int] | None = None,
+    fits: Fits | None = None,
 ) -> FittedForecast:
     """The forecast model fitted to a rocket's flights for similar plans, each with its flight index, by default the
-    next for all. Raises ImpossibleFlight for a flight without a dry mass and for a motor that is wider than the
-    body, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be
-    read.
+    next for all; `fits` as in `fieldkit.forecast.predict.predict`. Raises ImpossibleFlight for a flight without a dry
+    mass and for a motor that is wider than the body, BadValue for a recovery figure or rail direction that cannot be
+    read, DamagedModel if the hyperprior cannot be read.
     """
     for plan, motor in planned:
         check_width(plan, motor.motor)
@@ -133,6 +143,7 @@ def fitted_forecast(
         flown_and_planned(rocket.history, planned, flight_index),
         rocket.assumed([flight for flight, _ in (*rocket.history, *planned)]),
         draws=draws,
+        fits=fits,
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.forecast.predict import Fits
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, is_cluster
@@ -80,8 +81,9 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
     before = _forecast(ledger, motors, flight)
     if before is None or not plausible([flight], motors):
         return None
-    (after,) = predict_plans(ledger, motors, [before.plan.with_changes(flight_id="", date_time=None)], save="nothing")
-    kept, beside = of_flight(ledger, motors, flight), flight_beside_others(ledger, motors, flight)
+    plan, fits = before.plan.with_changes(flight_id="", date_time=None), Fits()
+    (after,) = predict_plans(ledger, motors, [plan], save="nothing", fits=fits)
+    kept, beside = of_flight(ledger, motors, flight), flight_beside_others(ledger, motors, flight, fits)
     expected = beside.interval if beside is not None else None
     return Outcome(
         flight=flight,

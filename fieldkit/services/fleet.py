@@ -31,10 +31,11 @@ from fieldkit.services.provenance import flight_digest, motor_digest
 
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
-MAX_ROCKETS = 40
+MAX_ROCKETS = 10
 """Number of rockets whose flights inform forecasts of the others, those flown latest: the mean of a fleet is then known
-to a sixth of the differences between its rockets, and the prior of another one is at most 1.2% wider than with any
-number of them. Each takes a fit. [1]"""
+to a third of the differences between its rockets, and the prior of another one is at most 5% wider than with any
+number of them, because the variance of what it shares with n others is that of one rocket times 1 + 1/n. Each takes a
+fit. [1]"""
 DIGITS = 7
 """Significant digits of a saved figure. [1]"""
 
@@ -42,12 +43,13 @@ DIGITS = 7
 @dataclass(frozen=True, slots=True)
 class _Fleet:
     """The flights used in the fit by rocket, and the fits so far, of one state of a ledger; `made_with` is as in
-    `_rocket_fit`."""
+    `_rocket_fit`, `period` that of all flights."""
 
     changes: int
     motors: Catalogue
     made_with: str
     flown: Mapping[str, FlownFlights]
+    period: Period | None
     fits: dict[str, RocketFit] = field(default_factory=dict)
 
 
@@ -80,7 +82,7 @@ def fleet_priors(
     )
     fleet = _fleet(ledger, motors, made_with)
     flown = {name: one for name, one in fleet.flown.items() if [name] != list(rockets)}
-    period = period_of(flight for one in fleet.flown.values() for flight, _ in one)
+    period = fleet.period
     for number, (name, one) in enumerate(flown.items()):
         on_progress(name, number / len(flown))
         if name not in fleet.fits:
@@ -92,8 +94,16 @@ def _fleet(ledger: Ledger, motors: Catalogue, made_with: str) -> _Fleet:
     """The fleet of a ledger, read again only if the ledger, the motors, the hyperprior or fieldkit has changed."""
     changes, known = ledger.length(), _LATEST_FLEETS.get(ledger)
     if known is None or (known.changes, known.made_with) != (changes, made_with) or known.motors is not motors:
-        known = _LATEST_FLEETS[ledger] = _Fleet(changes, motors, made_with, _by_rocket(ledger, motors))
+        flown = _by_rocket(ledger, motors)
+        known = _LATEST_FLEETS[ledger] = _Fleet(changes, motors, made_with, flown, _period(ledger, flown))
     return known
+
+
+def _period(ledger: Ledger, flown: Mapping[str, FlownFlights]) -> Period | None:
+    """The period of a fleet. It begins with the first flight in the ledger, used or not: every fit depends on its
+    beginning, and which flights are used changes with each new one."""
+    known, first = period_of(flight for one in flown.values() for flight, _ in one), ledger.first_day()
+    return (first or known[0], known[1]) if known else None
 
 
 def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight, Found]]]:

@@ -16,6 +16,7 @@ from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.evaluation.stacking import MODEL_ALONE, saved_scores, weights_after
+from fieldkit.forecast.predict import Fits
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
@@ -144,12 +145,14 @@ def predict_plans(
     *,
     save: Save = "forecasts",
     on_progress: ReportProgress = no_op,
+    fits: Fits | None = None,
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and saved in the ledger as `save` says.
 
-    `on_progress` also reports the fits of other rockets. Raises UnknownMotor, NoFlights
-    for a plan without a rocket if none has flown, ImpossibleFlight for a plan without a mass, BadValue for a
-    recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
+    `on_progress` also reports the fits of other rockets; `fits` as in `fieldkit.forecast.predict.predict`, for plans of
+    one rocket. Raises UnknownMotor, NoFlights for a plan without a rocket if none has flown, ImpossibleFlight for a
+    plan without a mass, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the
+    hyperprior cannot be read.
     """
     answers: dict[int, Prediction] = {}
     wholes = completed(ledger, motors, plans)
@@ -157,7 +160,7 @@ def predict_plans(
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         planned = [(wholes[row], motors.resolve_several(wholes[row].motor)) for row in rows]
         data = rocket_of(ledger, motors, rocket, which, on_progress=on_progress)
-        made = forecasts(data, planned, in_order=True)
+        made = forecasts(data, planned, in_order=True, fits=fits)
         if save != "nothing":
             _keep(ledger, made, data.flights, which, as_plan=save == "plan")
         answers |= dict(zip(rows, made, strict=True))

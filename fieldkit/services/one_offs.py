@@ -28,10 +28,12 @@ def flights_beside_others(
     return beside_others(history, assumed_of(ledger, motors, rocket, flights, sets), fits=fits)
 
 
-def flight_beside_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> FlightBesideOthers | None:
-    """One flight of the ledger; None if it cannot be simulated or has nothing to compare. Errors as in
+def flight_beside_others(
+    ledger: Ledger, motors: Catalogue, flight: Flight, fits: Fits | None = None
+) -> FlightBesideOthers | None:
+    """One flight of the ledger; None if it cannot be simulated or has nothing to compare. `fits` and errors as in
     `flights_beside_others`."""
-    for one in flights_beside_others(ledger, motors, flight.rocket):
+    for one in flights_beside_others(ledger, motors, flight.rocket, fits=fits):
         if one.flight.flight_id == flight.flight_id and one.departures:
             return one
     return None

@@ -10,7 +10,11 @@ import pytest
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import QUESTIONS
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.ledger import Ledger, models
+from fieldkit.model.readout_data import Data
+from fieldkit.model.rocket_model import Model
 from fieldkit.motors import PLUGGED_DELAY, catalogue
 from fieldkit.presentation.after_flight_text import apogee_question, outcome_lines
 from fieldkit.rocket import Configuration
@@ -51,6 +55,20 @@ def offered(ledger: Ledger, **answers: object) -> dict[str, str]:
         if one.name in ("rocket", "config", "motor"):
             flight = flight.with_changes(**{one.name: answers.get(one.name, text)})
     return found
+
+
+def test_an_entered_flight_takes_two_fits_of_its_rocket(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One without it and one with it, for the next flight as for its comparison with the others."""
+    fitted: list[int] = []
+
+    def noted(model: Model, data: Data, **given: bool) -> Fit:
+        fitted.append(int(data.seen.any(axis=1).sum()))
+        return fit_robustly(model, data, **given)
+
+    monkeypatch.setattr("fieldkit.forecast.predict.fit_robustly", noted)
+    new, _ = enter(ledger, PLAN.with_changes(apogee=240.0, site=""))
+    assert outcome(ledger, catalogue(), new)
+    assert fitted == [len(PAST), len(PAST) + 1]
 
 
 def test_the_saved_plan_is_offered_next(ledger: Ledger) -> None:

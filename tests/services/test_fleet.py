@@ -2,16 +2,21 @@
 
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit
 from fieldkit.ledger import Ledger
+from fieldkit.model.hyperprior import learned
+from fieldkit.model.rocket_model import FlownFlights
+from fieldkit.model.term_names import fleet_term
 from fieldkit.motors import catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.services import fleet
-from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
+from fieldkit.services.fleet import MAX_ROCKETS, MESSAGE_PREFIX, fleet_prior
 from fieldkit.services.provenance import motor_digest
 from tests.seasons import season
 
@@ -103,6 +108,50 @@ def test_the_rockets_flown_latest_inform_the_others(ledger: Ledger, monkeypatch:
     fleet_prior(ledger, catalogue(), "New", lambda name, done: fitted.append(name))
     assert fitted[2:] == ["R0"]
     assert "of 2 rockets" in ledger.remarks[-1]
+
+
+def test_a_new_flight_changes_only_the_message_of_its_rocket(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Although the earliest of the flights that are used is another one: every message is about the drift since the
+    first flight in the ledger."""
+    made: list[str] = []
+
+    def noted(flown: FlownFlights, *given: Any) -> RocketFit:
+        made.append(flown[0][0].rocket)
+        return rocket_fit(flown, *given)
+
+    monkeypatch.setattr(fleet, "MAX_ROCKETS", 2)
+    monkeypatch.setattr(fleet, "rocket_fit", noted)
+    first, year = ledger.flights("R0")[0], {"Old": 2019, "Mid": 2024, "Late": 2025}
+    ledger.add([first.with_changes(rocket=name, date_time=datetime(year[name], 1, 1, 10)) for name in year])
+    fleet_prior(ledger, catalogue(), "New")
+    ledger.add([first.with_changes(rocket="Old", flight_id="last", date_time=datetime(2030, 1, 1, 10))])
+    fleet_prior(ledger, catalogue(), "New")
+    assert sorted(made[:2]) == ["Late", "Mid"]
+    assert made[2:] == ["Old"]
+
+
+@pytest.mark.thorough
+def test_the_prior_of_another_rocket_is_hardly_wider_than_with_every_rocket(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At most by the factor sqrt(1 + 1/n) for n rockets, and its mean within what those leave unknown of the fleet."""
+    rng, known = np.random.default_rng(4), {"drag": "drag.rocket", "mass": "mass.rocket", "apogee": "apogee.rocket"}
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        for number in range(3 * MAX_ROCKETS):
+            flights = [one for one, _ in season(rng, ("apogee", "top_speed"), 4)]
+            ledger.add([one.with_changes(rocket=f"R{number}") for one in flights])
+        some = fleet_prior(ledger, catalogue(), "New")
+        monkeypatch.setattr(fleet, "MAX_ROCKETS", 1000)
+        with Ledger.open(ledger.name) as again:
+            every = fleet_prior(again, catalogue(), "New")
+    assert some is not None
+    assert every is not None
+    assert some.names == every.names
+    for quantity, own in known.items():
+        row, within = some.names.index(fleet_term(quantity)), learned().sds[own] ** 2
+        few, all_of_them = (prior.covariance[row, row] for prior in (some, every))
+        assert np.sqrt((few + within) / (all_of_them + within)) < np.sqrt(1 + 1 / MAX_ROCKETS)
+        assert abs(some.mean[row] - every.mean[row]) < 3 * np.sqrt(few - all_of_them)
 
 
 def test_an_empty_ledger_has_no_fleet(tmp_path: Path) -> None:

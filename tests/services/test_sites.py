@@ -31,3 +31,15 @@ def test_a_site_has_the_elevation_of_its_latest_flight(tmp_path: Path, monkeypat
         latest = {one.site: one.site_elevation for one in flights if one.site_elevation is not None}
         assert ledger.elevations() == latest
         assert ledger.rockets_flown() == ["Wren", "Lark", "Kite"]
+
+
+def test_the_first_day_is_that_of_a_flight_with_an_apogee(tmp_path: Path) -> None:
+    days = [datetime(2026, 5, day, 10) for day in (3, 2, 1)]
+    whole = Flight("1", "Lark", motor="F24-4W", dry_mass=0.3, apogee=200.0)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert ledger.first_day() is None
+        ledger.add([whole.with_changes(flight_id="undated")])
+        assert ledger.first_day() is None
+        ledger.add([whole.with_changes(flight_id=f"{at:%d}", date_time=at) for at in days[:2]])
+        ledger.add([whole.with_changes(flight_id="planned", date_time=days[2], apogee=None, notes="rained off")])
+        assert ledger.first_day() == days[1].date()
