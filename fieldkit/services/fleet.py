@@ -31,11 +31,11 @@ from fieldkit.services.provenance import flight_digest, motor_digest
 
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
-MAX_ROCKETS = 10
+MAX_ROCKETS = 40
 """Number of rockets whose flights inform forecasts of the others, those flown latest: the mean of a fleet is then known
-to a third of the differences between its rockets, and the prior of another one is at most 5% wider than with any
-number of them, because the variance of what it shares with n others is that of one rocket times 1 + 1/n. Each takes a
-fit. [1]"""
+to a sixth of the differences between its rockets, and the prior of another one is at most 1.2% wider than with any
+number of them, because the variance of what it shares with n others is that of one rocket times 1 + 1/n. With fewer,
+less would be known of motors, too. Each takes a fit, once. [1]"""
 DIGITS = 7
 """Significant digits of a saved figure. [1]"""
 

@@ -16,7 +16,7 @@ from fieldkit.model.term_names import fleet_term
 from fieldkit.motors import catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.services import fleet
-from fieldkit.services.fleet import MAX_ROCKETS, MESSAGE_PREFIX, fleet_prior
+from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
 from fieldkit.services.provenance import motor_digest
 from tests.seasons import season
 
@@ -135,9 +135,11 @@ def test_the_prior_of_another_rocket_is_hardly_wider_than_with_every_rocket(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At most by the factor sqrt(1 + 1/n) for n rockets, and its mean within what those leave unknown of the fleet."""
+    used = 10
+    monkeypatch.setattr(fleet, "MAX_ROCKETS", used)
     rng, known = np.random.default_rng(4), {"drag": "drag.rocket", "mass": "mass.rocket", "apogee": "apogee.rocket"}
     with Ledger.open(tmp_path / "ledger.db") as ledger:
-        for number in range(3 * MAX_ROCKETS):
+        for number in range(3 * used):
             flights = [one for one, _ in season(rng, ("apogee", "top_speed"), 4)]
             ledger.add([one.with_changes(rocket=f"R{number}") for one in flights])
         some = fleet_prior(ledger, catalogue(), "New")
@@ -150,7 +152,7 @@ def test_the_prior_of_another_rocket_is_hardly_wider_than_with_every_rocket(
     for quantity, own in known.items():
         row, within = some.names.index(fleet_term(quantity)), learned().sds[own] ** 2
         few, all_of_them = (prior.covariance[row, row] for prior in (some, every))
-        assert np.sqrt((few + within) / (all_of_them + within)) < np.sqrt(1 + 1 / MAX_ROCKETS)
+        assert np.sqrt((few + within) / (all_of_them + within)) < np.sqrt(1 + 1 / used)
         assert abs(some.mean[row] - every.mean[row]) < 3 * np.sqrt(few - all_of_them)
 
 
