@@ -117,10 +117,14 @@ def _named(one: FlightBesideOthers, cause: PossibleCause) -> str:
     """The cause in words; of a misread readout, which one."""
     if cause.cause != "misread":
         return CAUSES[cause.cause].title
-    name = farthest(one.departures)
+    return f"a misread {_title(one, farthest(one.departures))}"
+
+
+def _title(one: FlightBesideOthers, name: str) -> str:
+    """The name of a readout that departs, of a speed that follows from the average acceleration that of the latter."""
     if name == "top_speed" and one.flight.top_speed is None:
-        name = "avg_accel"  # the speed is that times the burn time
-    return f"a misread {BY_NAME[name].title.lower()}"
+        name = "avg_accel"
+    return BY_NAME[name].title.lower()
 
 
 def _listed(causes: Sequence[PossibleCause]) -> str:
@@ -134,9 +138,7 @@ def _signs(one: FlightBesideOthers) -> Iterator[str]:
     for name, (miss, sd) in one.departures.items():
         if name == "apogee":
             continue
-        title = (
-            BY_NAME[name].title.lower().replace("coast to apogee", "coast").replace("apogee to ejection", "ejection")
-        )
+        title = _title(one, name).replace("coast to apogee", "coast").replace("apogee to ejection", "ejection")
         if abs(miss) < CLEAR * sd:
             if name in ("top_speed", "coast_to_apogee"):
                 yield f"{title} as usual"

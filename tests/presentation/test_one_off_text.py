@@ -80,7 +80,7 @@ def test_a_readout_off_by_the_ratio_of_two_units_comes_with_its_correction() -> 
 def test_a_speed_that_follows_from_the_average_acceleration_is_not_called_misread() -> None:
     one = flight(0.99, ("misread", 0.98), top_speed=(log(3.3), 0.05))
     one = replace(one, flight=one.flight.with_changes(top_speed=None, avg_accel=200.0))
-    assert "a misread average acceleration (98%): top speed" in why(one)
+    assert "a misread average acceleration (98%): average acceleration" in why(one)
 
 
 def test_a_readout_that_no_fit_uses_is_explained_on_a_usual_flight() -> None:
