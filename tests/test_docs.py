@@ -313,8 +313,8 @@ def test_causes_and_shared_motors_on_the_page_of_evidence_are_those_measured() -
     assert f"right for {words[causes['first']]}, and the right one is among the three most" in text
     assert f"probable for {words[causes['among_three']]}," in text
     assert f"Of the {causes['others']} others {words[len(causes['named'])]} are named" in text
-    (misread,) = re.findall(r"top speed (\d+%) high", " ".join(causes["named"]))
-    assert f"one top speed was {misread} too high" in text
+    (misread,) = re.findall(r"average acceleration (\d+%) high", " ".join(causes["named"]))
+    assert f"one average acceleration was {misread} too high" in text
     assert f"{shared['n_flights']} normal flights of {shared['n_rockets']} rockets" in text
     assert found["contest"]["shared"]["findings"] == []
     (motor,) = shared["findings"]
