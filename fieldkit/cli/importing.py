@@ -19,6 +19,7 @@ from fieldkit.cli.predictions import print_outcome
 from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, given_columns, known_motors, open_ledger, read_settings
 from fieldkit.cli.targets import ForceOption, settled
+from fieldkit.cli.units import system_named
 from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import Flight
@@ -256,6 +257,7 @@ def export(
     rocket: Annotated[
         str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
     ] = None,
+    units: Annotated[str, typer.Option(metavar="[SI|US|mixed]", help="The units of a table; JSON has SI.")] = "SI",
     force: ForceOption = False,
 ) -> None:
     """Write flights as a table or as JSON, to import again or open in a spreadsheet."""
@@ -265,14 +267,17 @@ def export(
     file = None if file is not None and str(file) in ("-", "/dev/stdout") else file
     if file is not None and format is None and file.suffix.lower() in SPREADSHEETS:
         raise BadValue(f"{file}: found {file.suffix}, expected .csv, which every spreadsheet opens, or .json")
+    chosen = system_named(units)
+    as_json = format is ExportFormat.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
+    if as_json and chosen != "SI":
+        raise typer.BadParameter(f"found --units {units} with JSON, expected a table: JSON is always in SI")
     with open_ledger(context) as ledger:
         force = file is not None and settled(file, force)
         flights = ledger.flights(which_rocket(ledger, rocket) if rocket else None)
-    as_json = format is ExportFormat.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
     if as_json:
         text = json.dumps({"flights": [document(one) for one in flights]}, indent=2, allow_nan=False) + "\n"
     else:
-        text = csv_table(flights)
+        text = csv_table(flights, chosen)
     if file is None and sys.stdout.isatty():
         say_lines(text)
     elif file is None:

@@ -34,9 +34,7 @@ def units(
     A number typed after an option without its unit stays in the unit that the option's help names.
     """
     if system is not None:
-        if (named := _named(system)) is None:
-            raise typer.BadParameter(f"found {system!r}, expected one of {', '.join(UNITS)}")
-        change_settings({"units": named})
+        change_settings({"units": system_named(system)})
     chosen = read_settings().units
     if json:
         print_json({"units": chosen, "shown": _shown(chosen)})
@@ -69,6 +67,13 @@ def usual_units(environment: Mapping[str, str]) -> str:
     """The units of the country that a user's environment names."""
     country = next((environment[name] for name in LOCALES if environment.get(name)), "")
     return "US" if "_US" in country else "SI"
+
+
+def system_named(typed: str) -> str:
+    """The system of units that was typed. Raises BadParameter."""
+    if (named := _named(typed)) is None:
+        raise typer.BadParameter(f"found {typed!r}, expected one of {', '.join(UNITS)}")
+    return named
 
 
 def _named(typed: str) -> str | None:

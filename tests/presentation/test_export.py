@@ -1,6 +1,7 @@
 """Exported tables and JSON import as the same flights."""
 
 import json
+from functools import partial
 
 import pytest
 from hypothesis import given
@@ -9,9 +10,11 @@ from hypothesis import strategies as st
 from fieldkit import units
 from fieldkit.flight import COLUMNS, READOUTS, TAGS, Flight
 from fieldkit.flight.limits import LIMITS
+from fieldkit.flight.readout import SOURCES
 from fieldkit.importing.read import read
 from fieldkit.ledger.rows import differences
 from fieldkit.presentation.export import csv_table, document
+from fieldkit.quantities import SYSTEMS
 from tests.effort import examples
 from tests.samples import any_motor
 
@@ -43,13 +46,28 @@ flights = st.builds(
     extra=st.dictionaries(st.sampled_from(["Lot", "wind_direction", "Crew"]), words.filter(bool)),
     **{column.name: number(column.name) for column in COLUMNS},
 ).filter(lambda flight: bool(flight.readouts()))
+sds = st.fixed_dictionaries({}, optional={column.name: st.floats(1e-3, 50.0) for column in READOUTS})
+sources = st.fixed_dictionaries({}, optional={column.name: st.sampled_from(list(SOURCES)) for column in READOUTS})
+flights = st.builds(
+    lambda flight, **beside: flight.with_changes(
+        **{
+            part: {name: one for name, one in every.items() if name in flight.readouts()}
+            for part, every in beside.items()
+        }
+    ),
+    flights,
+    sd=sds,
+    source=sources,
+)
 
 
 def as_json(flights: list[Flight]) -> str:
     return json.dumps({"flights": [document(flight) for flight in flights]})
 
 
-@pytest.mark.parametrize("write", [csv_table, as_json])
+@pytest.mark.parametrize(
+    "write", [*(partial(csv_table, system=system) for system in SYSTEMS), as_json], ids=[*SYSTEMS, "JSON"]
+)
 def test_an_export_imports_as_the_same_flights(write: object) -> None:
     @examples(60)
     @given(st.lists(flights, min_size=1, max_size=3, unique_by=by_name))
