@@ -71,7 +71,16 @@ TO_BE_MADE = {
     ".venv/bin",
 }
 """Paths that the reader creates."""
-MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "log-book.csv", "sheet.pdf", "track.kml"}
+MADE = {
+    "flights.csv",
+    "flights.json",
+    "card.pdf",
+    "finals.png",
+    "log-book.csv",
+    "log-book-us.csv",
+    "sheet.pdf",
+    "track.kml",
+}
 """Files that the examples write."""
 
 

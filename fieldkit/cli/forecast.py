@@ -148,11 +148,18 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
 def _plan(
     ledger: "Ledger", given: dict[str, str | None], motors: "Catalogue", check: "Callable[[str], str | None]"
 ) -> "Flight":
-    """The flight described by the options; missing values are as last flown. Raises BadValue, BadParameter."""
+    """The flight described by the options; missing values, the motor too, are as last flown. Raises NoFlights,
+    BadValue, BadParameter."""
+    if given.get("rocket") or not given.get("motor"):
+        rocket = known_rocket(ledger, given)
     if not given.get("motor"):
-        raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
-    if given.get("rocket"):
-        known_rocket(ledger, given)
+        last = ledger.latest(rocket)
+        if last is None or not last.motor:
+            raise typer.BadParameter(
+                "found no --motor, expected one such as F24-4W, or --flights with a table of plans"
+            )
+        given = {**given, "motor": last.motor}
+        remark(f"the motor is {last.motor}, as last flown; change with --motor")
     plan = plan_from_options(ledger, motors, given)
     if complaint := check(plan.motor):
         raise BadValue(f"--motor: {complaint}")

@@ -286,3 +286,14 @@ def test_a_name_or_a_number_that_nothing_has_is_refused_before_it_is_saved(
 ) -> None:
     assert main(["--ledger", str(tmp_path / "ledger.db"), *command]) == 1
     assert found in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_forecast_without_a_motor_is_for_the_one_flown_last(filled: Run) -> None:
+    printed = filled("predict", "--rocket", "Astra")
+    assert "note: the motor is F24-4W, as last flown; change with --motor" in printed.err
+    assert "Astra A on AeroTech F24-4W" in printed.out
+
+
+def test_a_forecast_of_a_new_rocket_needs_a_motor(filled: Run) -> None:
+    printed = filled("predict", "--rocket", "Bertha", "--dry-mass", "80g", "--diameter", "41.6mm", status=2)
+    assert "found no --motor, expected one such as F24-4W" in " ".join(printed.err.replace("│", " ").split())
