@@ -219,20 +219,22 @@ def edit(
     A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
     lift_off_mass=620g is the mass weighed with the motor, from which the dry mass follows.
     timer_1_s=38.42 and timer_2_s are what two watches showed, eggs="2 intact" how a contest flight was judged.
-    Lark rocket=Comet renames a rocket; a flight whose id the other rocket has gets its next free number.
+    Lark rocket=Comet renames a rocket, and the correction of the loop goes with it; a flight whose id the other rocket
+    has gets its next free number.
     """
-    from fieldkit.services.renaming import with_free_ids
+    from fieldkit.services.renaming import renaming
 
     more = list(takewhile(lambda one: "=" not in one, changes))
     settings = split_settings(changes[len(more) :] or more[-1:])
     motors = MotorCheck()
     with open_ledger(context) as ledger:
         before = [ledger.flight(id) for id in ledger.ids_meant([flight, *more])]
-        own, notes = with_free_ids(ledger, before, [_changed(ledger, motors, one, settings) for one in before])
+        change = renaming(ledger, before, [_changed(ledger, motors, one, settings) for one in before])
+        own = change.changes
         what = f"({', '.join(dict.fromkeys(chain(*own)))})"
-        done = ledger.edit_each(dict(zip(ledger.ids(before), own, strict=True)), "edit", what)
+        done = ledger.edit_each(dict(zip(ledger.ids(before), own, strict=True)), "edit", what, change.corrections)
         after = [one.with_changes(**values) for one, values in zip(before, own, strict=True)]
-        for note in notes:
+        for note in change.notes:
             complain(f"note: {note}")
         names = [flight_label(id) for id in ledger.ids(after)]
         if {*BY_NAME, "motor"} & set(chain(*own)):

@@ -136,9 +136,16 @@ class Ledger:
                 recorder.sign("edit", f"{what} ({', '.join([*changes, *kept])})")
         return done
 
-    def edit_each(self, changes: Mapping[str, Mapping[str, object]], command: str, what: str) -> int:
-        """Change fields of several flights, each its own, as one change of a `command`, which `what` describes after
-        their ids; returns the number of flights changed."""
+    def edit_each(
+        self,
+        changes: Mapping[str, Mapping[str, object]],
+        command: str,
+        what: str,
+        corrections: Mapping[str, Version] | None = None,
+    ) -> int:
+        """Change fields of several flights, each its own, and move the models in use of other rockets in `corrections`
+        to those that it names, as one change of a `command`, which `what` describes after their ids; returns the number
+        of flights changed."""
         with self._changing() as recorder:
             stored = naming.resolve_all(recorder.connection, list(changes))
             done = [
@@ -146,6 +153,9 @@ class Ledger:
                 for one, (id, own) in zip(stored, changes.items(), strict=True)
                 if book.replace(recorder, one, _edited(one.flight, own))
             ]
+            for rocket, version in (corrections or {}).items():
+                models.activate(recorder, version.rocket, None)
+                models.keep_version(recorder, rocket, version.payload, activate=True)
             if done:
                 recorder.sign(command, f"{_listed(done)} {what}")
         return len(done)
