@@ -5,6 +5,7 @@ import sys
 from datetime import datetime
 from pathlib import Path
 
+import numpy as np
 import pytest
 from textual.events import AppFocus
 from textual.pilot import Pilot
@@ -18,7 +19,7 @@ from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.plots import Plot
+from fieldkit.tui.widgets.plots import Ink, Plot, below_line
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, text_of, typed, words
 
@@ -472,3 +473,19 @@ async def test_the_latest_error_is_shown_before_older_ones_and_undo_names_the_ke
         assert "(1 more)" in words(pilot)
         await press(pilot, "escape")
         assert "✗ error nothing left to redo" in words(pilot)
+
+
+@pytest.mark.parametrize(("lines", "plots"), [(24, 1), (36, 1), (50, 3)])
+async def test_a_log_has_one_tall_plot_or_three_where_there_is_room(tmp_path: Path, lines: int, plots: int) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
+    async with opened(tmp_path / "ledger.db", (120, lines)) as pilot:
+        await press(pilot, "enter", "_", "l", "_")
+        heights = [plot.region.height for plot in pilot.app.screen.query(Plot) if plot.display]
+        assert len(heights) == plots
+        assert min(heights) >= 11
+
+
+def test_a_line_is_filled_below_it_and_never_beside_it() -> None:
+    ink = Ink(80, 23, *["default"] * 5)
+    assert below_line(np.array([10.0, 0.2, -10.0]), 20.0, ink).tolist() == pytest.approx([9.5, 0.0, -9.5])

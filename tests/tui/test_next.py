@@ -850,5 +850,5 @@ async def test_the_loop_shows_flown_apogees_and_the_effects_it_would_try_before_
         for effect in effects().values():
             assert effect.form_of or effect.title in text_of(pilot, "#marks"), effect.title
         await press(pilot, "right", "_")
-        assert "Each flight beside the others of its rocket [m]" in words(pilot)
+        assert "Each flight beside the others [m]" in words(pilot)
         assert shown(pilot).count("●") >= 5

@@ -24,7 +24,7 @@ from tests.pressing import at_home, opened, press, shown, typed
         ("◎-1.8", [GOOD_COLOR]),
         ("+11.7", []),
         (" ├──●─◆┤ ", [GOOD_COLOR]),
-        (" ├──●──┤ ◆ ", [BAD_COLOR]),
+        (" ├──●──┤ ◆ ", [CAUTION_COLOR]),
         ("   ◆  ◎ ", [MARK_COLOR, MARK_COLOR]),
         ("◎──●──┤", [MARK_COLOR]),
         ("", []),
@@ -40,7 +40,7 @@ def test_a_flight_outside_its_interval_is_colored_so_in_a_list_of_intervals() ->
     rows = (IntervalBar("a", 1.0, 2.0, 3.0, 2.5), IntervalBar("b", 1.0, 2.0, 3.0, 5.0))
     drawn = Intervals(rows, lambda x: f"{x:g}", {})._within(60)
     colors = [str(span.style) for span in drawn.spans if "◆" in drawn.plain[span.start : span.end]]
-    assert colors == [f"${GOOD_COLOR}", f"${BAD_COLOR}"]
+    assert colors == [f"${GOOD_COLOR}", f"${CAUTION_COLOR}"]
 
 
 @pytest.mark.parametrize("theme", list(THEMES))

@@ -413,6 +413,38 @@ async def test_a_decision_uses_both_halves_of_a_large_screen(file: Path, size: t
         assert picture.height > size[1] * 2 // 3
 
 
+@pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 50)])
+async def test_a_row_of_the_finals_is_one_line(file: Path, size: tuple[int, int]) -> None:
+    async with opened(file, size, page="next_flight") as pilot:
+        await press(pilot, "d", *["right"] * 7, "_")
+        (heads,) = (line for line in shown(pilot).splitlines() if "target" in line and "lift-off" in line)
+        assert "points" in heads
+
+
+async def test_a_decision_names_its_conditions_in_brief_until_all_are_asked_for(file: Path) -> None:
+    async with opened(file, (120, 36), page="next_flight") as pilot:
+        await press(pilot, "d", "_")
+        brief = text_of(pilot, "#under")
+        assert "wind not given, rail" in brief
+        assert "lowers the apogee" not in brief
+        await press(pilot, "exclamation_mark")
+        assert "lowers the apogee" in text_of(pilot, "#under")
+        assert "the apogee falls" in text_of(pilot, "#under")
+
+
+async def test_a_landing_without_a_wind_has_its_drift_drawn_against_the_wind(file: Path) -> None:
+    async with opened(file, (120, 36), page="next_flight") as pilot:
+        await press(pilot, "d", *["right"] * 3, "_")
+        assert "Drift [m] by the wind [m/s]" in shown(pilot)
+
+
+async def test_a_saved_flight_fills_the_page_with_its_plot(file: Path) -> None:
+    async with opened(file, (120, 36), page="add") as pilot:
+        await press(pilot, *typed("198"), "ctrl+s", "_")
+        assert pilot.app.screen.query_one("AfterCard").region.height > 28
+        assert pilot.app.screen.query_one("AfterCard .hill").region.height >= 10
+
+
 async def test_what_a_version_adds_is_never_cut(file: Path) -> None:
     wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
     several = [{**wear, "effect": name} for name in ("wear", "wind", "motor_thrust", "altimeter_scale")]

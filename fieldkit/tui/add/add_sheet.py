@@ -51,6 +51,7 @@ FORM_CSS = """
         RocketStrip.-shown { display: block; }
     }
     AddScreen.-saved RocketStrip { height: 0; }
+    AddScreen.-saved.-high RocketStrip.-shown, AddScreen.-saved.-tall RocketStrip.-shown { display: none; }
 """
 """Layout of the form on the page, by its width and height."""
 

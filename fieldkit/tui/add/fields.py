@@ -115,10 +115,11 @@ class Form(HelpedModal[dict[str, object] | None]):
         border: solid $border; padding: 0 1; }
     Form VerticalScroll { height: auto; max-height: 64vh; }
     Form.-low VerticalScroll { max-height: 40vh; }
+    Form.-tall VerticalScroll { max-height: 74vh; }
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """
     ABOUT = "Enter goes to the next field and saves after the last one. A number may have a unit, as in 923ft."
-    VERTICAL_BREAKPOINTS = [(0, "-low"), (20, "-high")]  # noqa: RUF012  # as Textual has it
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (20, "-high"), (34, "-tall")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),

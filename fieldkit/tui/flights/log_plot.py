@@ -15,7 +15,7 @@ from fieldkit.quantities import spelled, unit_of
 from fieldkit.services.coast_drag import CoastDrag
 from fieldkit.services.replay import recording_of
 from fieldkit.shapes import Array, Float
-from fieldkit.tui.widgets.plots import AXIS, round_ticks, spaced
+from fieldkit.tui.widgets.plots import AXIS, below_line, round_ticks, spaced
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,10 +111,11 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     colors = ink.mark, ink.line, ink.text
     columns = np.linspace(first, last, max(2, ink.width - AXIS))  # one sample a column: an area of dots takes too long
     heights = np.interp(columns, trace.time, trace.values)
-    tall = np.abs(heights) > (high - low) / ink.height
+    below = below_line(heights, high - low, ink)
+    tall = np.abs(below) > (high - low) / ink.height
     for color, part in phases(columns, events, colors):
         plt.scatter(
-            columns[part][tall[part]].tolist(), heights[part][tall[part]].tolist(), marker="░", color=color, fillx=True
+            columns[part][tall[part]].tolist(), below[part][tall[part]].tolist(), marker="░", color=color, fillx=True
         )
     for color, part in phases(np.array(trace.time), events, colors):
         plt.plot(trace.time[part], trace.values[part], marker="braille", color=color)

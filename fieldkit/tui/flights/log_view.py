@@ -126,11 +126,11 @@ class LogView(HelpedModal[None]):
     LogView Plot { height: 1fr; min-height: 4; border-top: solid $border-blurred; border-title-color: $foreground; }
     LogView VerticalScroll { height: 7; padding: 0 1; border-top: solid $border-blurred; }
     LogView.-low VerticalScroll { display: none; }
-    LogView.-low Plot.-other { display: none; }
+    LogView.-low Plot.-other, LogView.-high Plot.-other { display: none; }
     LogView.-facts Plot { display: none; }
     LogView.-facts VerticalScroll { height: 1fr; display: block; }
     """
-    VERTICAL_BREAKPOINTS = [(0, "-low"), (34, "-high")]  # noqa: RUF012  # as Textual has it
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (34, "-high"), (44, "-tall")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "step(-1)", "Earlier", show=False),
         Binding("right", "step(1)", "Time", key_display="←→", tooltip="Move in time; with Shift ten steps"),
@@ -138,7 +138,7 @@ class LogView(HelpedModal[None]):
         Binding("shift+right,ctrl+right", "step(10)", "Much later", show=False),
         Binding("home", "event(-1)", "Previous event", show=False),
         Binding("end", "event(1)", "Events", key_display="Home End", tooltip="The next event; Home previous"),
-        Binding("v", "channel", "Plot", tooltip="Height, speed or acceleration, on a low screen"),
+        Binding("v", "channel", "Plot", tooltip="Height, speed or acceleration; a tall screen shows all"),
         Binding("tab", "facts", "Plot/facts", key_display="Tab", priority=True, tooltip="The plot or its facts alone"),
         Binding("up", "scroll_by(-1)", "Up", show=False),
         Binding("down", "scroll_by(1)", "Facts", key_display="↑↓", tooltip="Scroll the facts"),
@@ -218,7 +218,7 @@ class LogView(HelpedModal[None]):
             self._draw()
 
     def action_channel(self) -> None:
-        """Show the next plot; a high screen shows all."""
+        """Show the next plot; a tall screen shows all."""
         self._channel = (self._channel + 1) % len(CHANNELS)
         self._draw()
 

@@ -68,7 +68,8 @@ class TagCard(VerticalScroll):
     DEFAULT_CSS = """
     TagCard { padding: 0 1; }
     TagCard Static { height: auto; margin-bottom: 1; }
-    TagCard Plot { height: 24vh; min-height: 12; border-top: solid $border-blurred; border-title-color: $foreground; }
+    TagCard Plot { height: 24vh; min-height: 9; border-top: solid $border-blurred; border-title-color: $foreground; }
+    .-tall TagCard Plot { height: 1fr; max-height: 30; }
     """
 
     def compose(self) -> Iterable[Widget]:
@@ -104,7 +105,7 @@ class TagCard(VerticalScroll):
         if plot is None:
             plot = Plot()
             self.mount(plot)
-        plot.border_title = Content("next apogee with these tags" + ("" if same else "; outline before"))
+        plot.border_title = Content("next apogee" + ("" if same else "; outline before"))
         former = None if same else before.forecast.apogee
         unit = shown_unit(cards.APOGEE, system)
         plot.show(
@@ -138,7 +139,7 @@ class TagScreen(PageScreen):
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
     TagScreen #left { width: 1fr; }
-    TagScreen TagCard { width: 40%; min-width: 62; display: none; border-left: solid $border-blurred; }
+    TagScreen TagCard { width: 34%; min-width: 40; display: none; border-left: solid $border-blurred; }
     TagScreen.-wide TagCard { display: block; }
     TagScreen.-wide #means { display: none; }
     TagScreen Table { height: 1fr; min-height: 5; }

@@ -23,6 +23,8 @@ TAG_CELLS = 12
 """Width of the tags of a flight. [cell]"""
 MAX_BARS = 16
 """Number of latest misses in a trend. [1]"""
+MIN_BAR = 20
+"""Minimum width of the interval of a forecast. [cell]"""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
 """Widths above which a table has room for tags and for profiles, and for the interval of each forecast. [cell]"""
 APOGEE = BY_NAME["apogee"]
@@ -37,17 +39,18 @@ def listed(
     tagged = TAG_CELLS + 1 if width >= NORMAL_TABLE and any(one.flight.tags for one in flights) else 0
     logged = width >= NORMAL_TABLE + tagged and any(one.flight.has_log for one in flights)
     profiles = PROFILE_CELLS if logged else 0
-    bars = max(20, width - 65 - tagged - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
-    longest = max((cell_len(build_of(one.flight)) for one in flights), default=0)
-    heads, cells = _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
-    if tagged and not bars:  # the rocket as wide as its name, tags as wide as the room
-        room = width - sum(head.width + 1 for head in heads) - 1
-        heads[2], heads[6] = Head("rocket", max(6, min(longest, room))), Head("tags", 0)
     seen = {
         "when": any(one.flight.date_time for one in flights),
         "miss": any(one.miss is not None for one in flights),
         "tags": tagged > 0,
     }
+    others = [head for head in _heads(profiles, 0, scale, settings.units) if seen.get(head.title, True)]
+    room = width - sum(head.width + 1 for head in others) - 1
+    longest = max((cell_len(build_of(one.flight)) for one in flights), default=0)
+    bars = max(MIN_BAR, room - max(6, longest) - 1) if width >= WIDE_TABLE else 0
+    heads, cells = _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
+    if tagged and not bars:  # the rocket as wide as its name, tags as wide as the room
+        heads[2], heads[6] = Head("rocket", max(6, min(longest, room))), Head("tags", 0)
     shown = [n for n, head in enumerate(heads) if seen.get(head.title, True)]
     return [heads[n] for n in shown], lambda one, profile: [cells(one, profile)[n] for n in shown]
 

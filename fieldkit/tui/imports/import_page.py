@@ -136,12 +136,12 @@ def readable() -> Hanging:
     logs = ", ".join(sorted((one.title for one in parsers().values() if not one.simulates), key=str.lower))
     simulated = ", ".join(one.title.removesuffix(" simulation (CSV)") for one in parsers().values() if one.simulates)
     kinds = (
-        ("logs, tables", logs),
+        ("logs", logs),
         ("simulations", f"{simulated} (CSV)"),
         ("designs", "OpenRocket .ork, RockSim .rkt, RASAero .CDX1"),
         ("weather", "saved weather, for flights at its site"),
     )
-    return cards.lines("Files that can be read", kinds, 14)
+    return cards.lines("Files that can be read", kinds)
 
 
 class ImportScreen(PageScreen):

@@ -146,7 +146,7 @@ class HeadlinePanel(VerticalScroll):
         plot = self.query_one("#each", Plot)
         plot.set_class(len(missed) > 1, "-shown")
         way = ", with what S found" if searched else ""
-        plot.border_title = Content(f"Each flight beside the others of its rocket{way} [{_unit(system)}]")
+        plot.border_title = Content(f"Each flight beside the others{way} [{_unit(system)}]")
         plot.show(partial(draw_misses, missed, None, system) if len(missed) > 1 else None)
 
     def wait(self, text: Content | Hanging | str) -> None:
@@ -211,6 +211,8 @@ TEXT_BEFORE_RUN = {
 """The text in a panel before a search."""
 ADDS = 2
 """The column of versions with the effects that they add. [1]"""
+WIDE_RANKING = 70
+"""Width from which the ranking has the evidence beside the chance. [cell]"""
 PANEL_FRAME = 6
 """Columns of a panel for its frame, its margins and a scrollbar. [cell]"""
 
@@ -299,9 +301,10 @@ class Panels(Container):
             self.query_one("#evidence", Static).update(verdict(self.found, system))
             self._system = system
             rows = ranking_rows(self.found.diagnosis, system)
-            heads = [Head("effect", 0), Head("chance", 6, True), Head("evidence", 8, True)]
-            heads.append(Head("strength", 16))
-            self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
+            heads = [Head("effect", 0), Head("chance", 6, True), Head("evidence", 8, True), Head("strength", 16)]
+            columns = range(len(heads)) if self._panel_width >= WIDE_RANKING else (0, 1, 3)
+            shown = {row: [cells[n] for n in columns] for row, cells in rows.items()}
+            self.query_one("#ranking", Table).show([heads[n] for n in columns], list(rows), shown.__getitem__)
 
     def show_flights(self, found: Sequence[FlightBesideOthers], system: str, *, searched: bool | None = None) -> None:
         """Show the flights beside the others of their rocket, after a search as its effects explain them; the same as
@@ -325,8 +328,12 @@ class Panels(Container):
         again."""
         if self.found is not None:
             self._effect = turn
-            width = self.size.width // 2 if self.screen.has_class("-wide") else self.size.width
-            self.query_one("#marks", Static).update(fingerprint(self.found, turn, width - PANEL_FRAME))
+            self.query_one("#marks", Static).update(fingerprint(self.found, turn, self._panel_width - PANEL_FRAME))
+
+    @property
+    def _panel_width(self) -> int:
+        """Width of a panel. [cell]"""
+        return self.size.width // 2 if self.screen.has_class("-wide") else self.size.width
 
     def on_resize(self) -> None:
         """Fit the bars of the fingerprint to the new width."""

@@ -19,6 +19,7 @@ from fieldkit.forecast.evaluation.comparison import judged_report
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
+from fieldkit.messages import message
 from fieldkit.motors import Catalogue
 from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.paths import data_file
@@ -40,7 +41,7 @@ from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import in_brief
 from fieldkit.presentation.season_text import SeasonWays, season_steps
-from fieldkit.quantities import ShownUnits, measure, number, shown_unit, spelled, unit_of
+from fieldkit.quantities import ShownUnits, in_system, measure, number, shown_unit, spelled, unit_of
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
 from fieldkit.services.season_guide import season_guide
 from fieldkit.services.track_record import replayed
@@ -85,7 +86,22 @@ def of_drift(answer: Answer, one: PlannedFlight, size: float | None, system: str
     rows = tuple(IntervalBar(shown.speed(wind, 0), *(wind * end for end in drift)) for wind in winds)
     edge = {"edge of the field": size / 2} if size else {}
     title = "Drift on the way down by the wind at the pad: 90% of flights, ● median" + "; ◎ the field ends" * bool(size)
-    return replace(answer, title=title, intervals=Intervals(rows, shown.length, edge))
+    ends = [_scaled(system, winds[-1] * end) for end in drift]
+    edges = [_scaled(system, end) for end in edge.values()]
+    plot = partial(_drift_by_wind, ends, DRAWN_WINDS[shown.speed_unit][-1], edges)
+    unit = spelled(unit_of(cards.APOGEE, system))
+    below = f"Drift [{unit}] by the wind [{spelled(shown.speed_unit)}]"
+    return replace(answer, title=title, intervals=Intervals(rows, shown.length, edge), below=below, draw=plot)
+
+
+def _drift_by_wind(ends: Sequence[float], wind: float, edges: Sequence[float], plt: Any, ink: Any) -> None:
+    """Draw the drift from none in calm air to the 5, 50 and 95% quantiles `ends` at a wind, in displayed units, and the
+    edge of the field where it is known."""
+    for end, color in zip(ends, (ink.text, ink.line, ink.text), strict=True):
+        plt.plot([0.0, wind], [0.0, end], marker="braille", color=color)
+    for edge in edges:
+        plt.hline(edge, color=ink.mark)
+    round_axes(plt, ink, (0.0, wind), (0.0, max(*ends, *edges)))
 
 
 def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
@@ -207,6 +223,8 @@ SEASON_KEYS = SeasonWays(
     finals="w to write it",
 )
 """The keys that do what the steps of a season ask for."""
+UNCHECKED_TOOL = "  Drill by the marks on your tool: its cuts were not checked (! for more)."
+"""The note on a drilling tool that was not checked against its instructions."""
 MAX_SCORED_FLIGHTS = 6
 """Number of latest flights whose points are listed."""
 
@@ -227,8 +245,10 @@ class Decision:
         takes_off = tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
         judged = delays(self.plan, fast, takes_off, left)
-        words = tuple(delays_in_words(judged, fast, tool, self.system))
-        answer = self._answer(words, judged.forecast)
+        answer = self._answer(tuple(delays_in_words(judged, fast, None, self.system)), judged.forecast)
+        if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
+            caveat = "  " + in_system(message(tool.caveat), self.system)
+            answer = replace(answer, words=(*answer.words, UNCHECKED_TOOL), beside=(caveat, "", *answer.beside))
         return of_delays(with_delay(answer, judged), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: Day) -> Answer:
@@ -360,10 +380,11 @@ class Decision:
         """An answer beside the conditions of a forecast and its safety checks, with a fraction of the parachute's
         area. [1]"""
         lines = [*self._checks(prediction, area), *more]
-        conditions = (*conditions_in_words(prediction.plan, self.plan.rocket.known, self.system), "")
-        return Answer(
-            words, (*conditions, *unfolded(lines, self.system)), folded=(*conditions, *folded(lines, self.system))
+        every, brief = (
+            (*conditions_in_words(prediction.plan, self.plan.rocket.known, self.system, brief=brief), "")
+            for brief in (False, True)
         )
+        return Answer(words, (*every, *unfolded(lines, self.system)), folded=(*brief, *folded(lines, self.system)))
 
 
 def _limits_of(rule: Season, prediction: Prediction, day: Day) -> list[SafetyCheck]:

@@ -8,7 +8,7 @@ from fieldkit.motors import Motor
 from fieldkit.motors.motor import delays_text
 from fieldkit.quantities import written
 from fieldkit.safe_text import printable
-from fieldkit.tui.widgets.plots import AXIS
+from fieldkit.tui.widgets.plots import AXIS, below_line
 
 KINDS = {"SU": "single use", "reload": "reloadable", "hybrid": "hybrid"}
 """Kinds of motors in the catalog, in the words of a flyer."""
@@ -56,9 +56,8 @@ THRUST = "thrust [N] against time [s], ╌ its average"
 def draw_thrust(motor: Motor, plt: Any, ink: Any) -> None:
     """Draw thrust against time, and the average while it burns."""
     columns = np.linspace(0.0, motor.thrust_end, max(2, ink.width - AXIS))
-    plt.plot(
-        columns.tolist(), np.interp(columns, motor.time, motor.thrust).tolist(), marker="░", color=ink.line, fillx=True
-    )
+    filled = below_line(np.interp(columns, motor.time, motor.thrust), motor.peak_thrust, ink)
+    plt.plot(columns.tolist(), filled.tolist(), marker="░", color=ink.line, fillx=True)
     plt.plot(motor.time.tolist(), motor.thrust.tolist(), marker="braille", color=ink.line)
     start, end = motor.burning
     plt.plot([start, end], [motor.rated_thrust] * 2, marker="╌", color=ink.mark)

@@ -191,7 +191,7 @@ class PlanScreen(PageScreen):
     PlanScreen #words.-drawn #picture { display: block; }
     PlanScreen.-wide #words.-drawn #under, PlanScreen.-wide #words.-more #beside { display: block; }
     PlanScreen.-wide #words.-drawn #beside { display: none; }
-    PlanScreen.-wide #main { width: 3fr; }
+    PlanScreen.-wide #main { width: 3fr; min-width: 78; }
     PlanScreen.-wide #beside { width: 2fr; margin: 0 0 0 2; }
     PlanScreen.-wide #words.-drawn #main { width: 1fr; min-width: 70; }
     PlanScreen.-wide #picture { width: 1fr; margin: 0 0 0 2; }
@@ -266,7 +266,7 @@ class PlanScreen(PageScreen):
             plot = self.query_one(name, Plot)
             plot.set_class(draw is not None and not answer.below, "-shown")
             plot.set_class(draw is not None and bool(answer.below), "-below")
-            plot.border_title = answer.below
+            plot.border_title = Content(printable(answer.below))
             plot.show(draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:

@@ -37,6 +37,7 @@ from fieldkit.tui.setup.setup_lists import (
     settings_listed,
     sites_listed,
 )
+from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.dialogs import HelpScreen
 from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
 from fieldkit.tui.widgets.line import Line
@@ -87,6 +88,19 @@ EMPTY_LISTS = (
     "",
 )
 """Texts of these lists if they are empty."""
+EMPTY_CARDS = {
+    "Sites": (
+        ("elevation", "the density of the air in every forecast there"),
+        ("size", "whether flights land on the field, and the size that the safety codes ask for"),
+        ("ceiling", "which motors stay below it"),
+    ),
+    "Kits": (
+        ("dry mass", "a rocket named after the kit starts with it"),
+        ("diameter", "and with its diameter"),
+        ("mount", "which motors fit before its first flight"),
+    ),
+}
+"""What the figures of an empty list are for."""
 
 
 class SetupScreen(PageScreen):
@@ -228,7 +242,7 @@ class SetupScreen(PageScreen):
 
     def _facts(self, kind: str, key: Any, system: str) -> Facts:
         if key is None:
-            return setup_card.Facts(())
+            return setup_card.Facts((cards.lines("What it is for", EMPTY_CARDS.get(kind, ())),))
         match kind:
             case "Motors":
                 return setup_card.of_motor(key, system)

@@ -118,8 +118,16 @@ def _any_terminal_size() -> Iterator[None]:
 
 TICK_WIDTH = 12
 """Minimum distance of round values below a density. [cell]"""
+FRAME = 3
+"""Lines of a plot for its frame and the labels below it. [cell]"""
 AXIS = 8
 """Maximum number of columns to the left of the axis."""
+
+
+def below_line(values: Float[Array, "column"], span: float, ink: Ink) -> Float[Array, "column"]:
+    """Values half a cell nearer to zero, to fill the cells below a line over a `span` without those beside it."""
+    half = span / max(1, ink.height - FRAME) / 2
+    return np.sign(values) * np.maximum(np.abs(values) - half, 0.0)
 
 
 def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: int) -> dict[float, str]:

@@ -24,10 +24,10 @@ BAR = re.compile(r"[├←][─●◉◎◆]*[┤→]")
 
 def runs(cell: str) -> Iterator[tuple[str, str]]:
     """A cell in parts, each with the color of its state, empty for none: all of a text after a symbol, or the marks of
-    an interval. A flight is good inside its interval and bad outside."""
+    an interval. A flight is good inside its interval, and asks for caution outside."""
     if BAR_SIGNS.issuperset(cell):
         found = BAR.search(cell)
-        flown = MARK_COLOR if found is None else GOOD_COLOR if "◆" in found[0] else BAD_COLOR
+        flown = MARK_COLOR if found is None else GOOD_COLOR if "◆" in found[0] else CAUTION_COLOR
         for part in re.split("([◎◆])", cell):
             yield part, {"◎": MARK_COLOR, "◆": flown}.get(part, "")
     else:
