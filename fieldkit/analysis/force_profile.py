@@ -305,7 +305,7 @@ def _binned(track: HeightTrack | None, push: Push | None, begin: float, end: flo
     step = max(_SHORTEST_INTERVAL, (end - begin) / _MAX_INTERVALS, 1.0001 * median_step(track.time[inside]))
     first = _first(track.time[inside] - begin, track.height[inside])
     if first[0] > _MAX_SPEED:  # begins when it has slowed down
-        later = _slows_below(first, _MAX_SPEED)
+        later = _slows_down(first)
         return _binned(track, push, begin + later, end, lift) if end - begin - later > _MIN_TIME else None
     count = int((end - begin) / step)
     if count < _MIN_INTERVALS:
@@ -361,13 +361,13 @@ def _first(time: Float[Array, "time"], height: Float[Array, "time"]) -> tuple[fl
     return speed, float(cubic(0.0)), float(np.clip(drag, *_DRAGS))
 
 
-def _slows_below(first: tuple[float, float, float], speed: float) -> float:
-    """How long a coast takes to slow down to a speed. [s]
+def _slows_down(first: tuple[float, float, float]) -> float:
+    """How long a coast takes to slow down to `_MAX_SPEED`. [s]
 
     Derivation: dv/dt = -g - b v² with constant b and density.
     """
     root = sqrt(GRAVITY / first[2])
-    return float(np.arctan(first[0] / root) - np.arctan(speed / root)) / sqrt(GRAVITY * first[2]) + 0.05
+    return float(np.arctan(first[0] / root) - np.arctan(_MAX_SPEED / root)) / sqrt(GRAVITY * first[2]) + 0.05
 
 
 def _means(

@@ -50,12 +50,12 @@ def check_format(name: str, place: str = "") -> None:
         raise UnknownFormat(f"{place}{unknown('format', name, parsers())}")
 
 
-def parser_for(log: bytes, format: str | None = None, source: str = "") -> Parser:
+def parser_for(log: bytes, format: str | None = None) -> Parser:
     """The parser that recognizes a log with the highest score, or the one that `format` names.
 
     Raises UnknownFormat that names the most similar formats, or the parsers with equal scores.
     """
-    return parsers()[_candidates(log, format, source)[0]]
+    return parsers()[_candidates(log, format, "")[0]]
 
 
 def claims(log: bytes) -> list[str]:

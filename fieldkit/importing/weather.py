@@ -186,16 +186,15 @@ WeatherRow = dict[str, str]
 _UNIT = re.compile(r"^(?P<name>.*?)\s*[(\[](?P<unit>[^)\]]*)[)\]]$")
 
 
-def header_units(header: str, quantity: str, usual: str = "") -> units.Unit:
-    """The unit in a column's header, `Wind (mph)`, `wind_mph`, `wind [mph]`, or else the `usual` one of the format.
+def header_units(header: str, quantity: str) -> units.Unit:
+    """The unit in a column's header, `Wind (mph)`, `wind_mph`, `wind [mph]`.
 
     Raises DamagedLog that names the column.
     """
     found = _UNIT.match(header)
     spelled = found["unit"] if found else header.rpartition("_")[2] if "_" in header else ""
-    for one in (spelled, usual):
-        if (unit := units.UNITS[quantity].get(units.plain(one))) is not None and one:
-            return unit
+    if (unit := units.UNITS[quantity].get(units.plain(spelled))) is not None and spelled:
+        return unit
     known = ", ".join(units.UNITS[quantity])
     raise DamagedLog(f"found no unit, expected one in the header: {known}", column=header)
 

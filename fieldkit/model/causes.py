@@ -84,6 +84,8 @@ USUAL_PROBABILITY = 1.0 - sum(cause.prevalence for cause in CAUSES.values())
 """Prior probability that a flight has none. [1]"""
 _STEPS = np.linspace(-1.75, 2.25, 9)
 """Log strengths on a grid, in standard deviations around the median."""
+_LOG_WEIGHTS = -0.5 * _STEPS**2 - np.logaddexp.reduce(-0.5 * _STEPS**2)
+"""Log of their normal weights, which add to one."""
 _EJECTED_AT = np.array([0.1, 0.25, 0.4, 0.55, 0.65, 0.75, 0.83, 0.9])
 """Fractions of the coast after which an early charge fires."""
 _IMPULSES, _BURNS = np.linspace(-0.8, 0.8, 7), np.linspace(-0.6, 0.6, 9)
@@ -169,7 +171,7 @@ def _ejections(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
     times = np.concatenate([_EJECTED_AT[:, None] * coast, usual + late[:, None]])
     shift = _shift(timed, at, values, {"delay": np.log(times / delay) - ratio})
     early = np.where(times[: len(_EJECTED_AT)] < usual, -np.log(len(_EJECTED_AT)), -np.inf)
-    after = np.where(np.isnan(known), -np.inf, _normal(_STEPS)[:, None])
+    after = np.where(np.isnan(known), -np.inf, _LOG_WEIGHTS[:, None])
     return [
         _row("early_ejection", (1 - _EJECTED_AT[:, None]) * coast, shift[: len(_EJECTED_AT)], early),
         _row("late_ejection", late[:, None], shift[len(_EJECTED_AT) :], after),
@@ -190,7 +192,7 @@ def _misread(model: Model, usable: Flags) -> list[Signatures]:
         for side in (1, -1):
             error = side * CAUSES["misread"].median * np.exp(MISREAD_LOG_SD * _STEPS)
             error = error if logarithmic else error * EJECT_ERROR
-            log_prior = _normal(_STEPS)[:, None] + share - np.log(2)
+            log_prior = _LOG_WEIGHTS[:, None] + share - np.log(2)
             if name in known:
                 by, shown = error[:, None], known[name]
                 log_prior = (
@@ -219,11 +221,6 @@ def _log_descent(known: Mapping[str, Array]) -> Array:
         ratio = np.log(apogee / (sinking + STANDARD_GRAVITY / 2 * np.maximum(after, 0.0) ** 2))
     off = (np.clip(ratio, -_LARGEST_DESCENT_RATIO, _LARGEST_DESCENT_RATIO) - _DESCENT_MIDDLE) / _DESCENT_SCALE
     return np.nan_to_num(-np.log1p(off**2))
-
-
-def _normal(steps: Float[Array, "strength"]) -> Float[Array, "strength"]:
-    """Log of normal weights that add to one."""
-    return np.asarray(-0.5 * steps**2 - np.logaddexp.reduce(-0.5 * steps**2))
 
 
 def _one_readout(

@@ -19,7 +19,7 @@ from fieldkit.units import STANDARD_GRAVITY
 
 
 def descents(
-    prediction: Prediction, fall: Fall, speed: Float[Array, "draw"], wind: WindProfile | None = None, seed: int = 8
+    prediction: Prediction, fall: Fall, speed: Float[Array, "draw"], wind: WindProfile | None = None
 ) -> DescentResult:
     """The descent of each draw of a forecast at a descent speed near the ground [m/s].
 
@@ -35,7 +35,7 @@ def descents(
     terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / np.maximum(density * prediction.cd * area, 1e-9))
     first = speed
     if recovery.dual and fall.drogue is not None:
-        first = fall.drogue.speeds(np.random.default_rng(seed), (len(speed), 1), mass, density)[:, 0]
+        first = fall.drogue.speeds(np.random.default_rng(8), (len(speed), 1), mass, density)[:, 0]
     sideways = (np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     fills = filling(np.array(mass), air.density)
     devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time, fills)

@@ -79,15 +79,16 @@ class Landing:
         opened = self.down.ballistic < 1
         return three(self.down.landing_speed[opened] if opened.any() else self.down.landing_speed)
 
-    def ellipse(self, level: float = ELLIPSE_LEVEL) -> "LandingEllipse":
-        """The ellipse with a fraction `level` [1] of the landings, for a normal distribution with their mean and
+    def ellipse(self) -> "LandingEllipse":
+        """The ellipse with a fraction `ELLIPSE_LEVEL` of the landings, for a normal distribution with their mean and
         covariance."""
         points = np.stack([self.along, self.across])
         variance, axes = np.linalg.eigh(np.cov(points))
-        scale = math.sqrt(-2 * math.log(1 - level))
+        scale = math.sqrt(-2 * math.log(1 - ELLIPSE_LEVEL))
         low, high = scale * np.sqrt(np.maximum(variance, 1e-6))
         turned = math.atan2(axes[1, 1], axes[0, 1])
-        return LandingEllipse(float(points[0].mean()), float(points[1].mean()), float(high), float(low), turned, level)
+        along, across = (float(one.mean()) for one in points)
+        return LandingEllipse(along, across, float(high), float(low), turned, ELLIPSE_LEVEL)
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""

@@ -360,13 +360,13 @@ def _shape(steps: PossibleSteps, row: int, count: int) -> Float[Array, "interval
 
 
 def _chances(
-    steps: PossibleSteps, level: float, size: float, spread: float, offset: Array | float = 0.0
+    steps: PossibleSteps, level: float, size: float, spread: float
 ) -> "list[tuple[_Part, Array, Array, Array]]":
     """For each noise setting: the probability of each step given that there is one, the mean of its relative size, and
     the factor by which the log narrows that."""
     found = []
     for one in steps.parts:
-        linear, quadratic = level * one.pushed - level**2 * (one.joint + offset), level**2 * one.both
+        linear, quadratic = level * one.pushed - level**2 * one.joint, level**2 * one.both
         precision = quadratic * spread**2 + 1
         log = 0.5 * ((linear * spread + size / spread) ** 2 / precision - (size / spread) ** 2 - np.log(precision))
         plain = -0.5 * one.level * level**2 + one.shift * level + one.log_weight

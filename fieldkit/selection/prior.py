@@ -35,7 +35,7 @@ def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> di
     }
 
 
-def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None = None) -> float:
+def log_prior_odds(names: Iterable[str]) -> float:
     """Log prior odds of a set against no effect, independent of other families. [nat]"""
-    known = inclusion_probabilities(catalogue) | dict.fromkeys(LOGGED_EFFECTS, FAMILY_PROBABILITY)
+    known = inclusion_probabilities() | dict.fromkeys(LOGGED_EFFECTS, FAMILY_PROBABILITY)
     return sum(log(known[name]) - log1p(-known[name]) for name in names)

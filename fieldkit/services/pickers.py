@@ -123,9 +123,9 @@ def among(picks: Sequence[OfferedAnswer]) -> Source:
     return found
 
 
-def days(today: date | None = None) -> list[OfferedAnswer]:
+def days() -> list[OfferedAnswer]:
     """Today, yesterday and the days before, in the format of typed dates."""
-    now = today or date.today()
+    now = date.today()
     before = [OfferedAnswer(f"{now - timedelta(days=n)}", f"{now - timedelta(days=n):%A}") for n in range(2, 7)]
     return [
         OfferedAnswer("today", f"{now:%A}, {now}"),

@@ -18,8 +18,6 @@ from fieldkit.shapes import Array, Float
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
 
-CHECK_SHAPES = False
-
 
 @dataclass(frozen=True, slots=True)
 class SeasonGuide:

@@ -1,7 +1,7 @@
 """Find the header of a logger's table: its row, its column names, and its separator."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -28,13 +28,13 @@ class Header:
         places = (self.names.index(name) for name in names if name in self.names)
         return next(places, None)
 
-    def channels(self, wanted: Mapping[str, tuple[str, Unit]], needed: Iterable[str] = ("time",)) -> list[Channel]:
+    def channels(self, wanted: Mapping[str, tuple[str, Unit]]) -> list[Channel]:
         """The columns present among those wanted, given as header to a channel's name and unit; of several headers of
         one channel the first wanted."""
         places = {name: self.names.index(name) for name in wanted if name in self.names}
         named = {wanted[name][0]: (name, place) for name, place in reversed(places.items())}
         return [
-            Channel(channel, place, wanted[name][1], channel in needed, name)
+            Channel(channel, place, wanted[name][1], channel == "time", name)
             for channel, (name, place) in reversed(named.items())
         ]
 

@@ -131,15 +131,14 @@ def linear_fit(
     *,
     center: Float[Array, "term"] | None = None,
     start: float = 0.0,
-    rounds: int = DRAG_ROUNDS,
 ) -> LinearFit:
-    """The posterior given the flown flights, those in `data`, with log drag moved to its posterior mean in `rounds`
-    steps, from `start` above that of the point `center` around which the response was simulated (by default the
-    reference), in the units of the terms."""
+    """The posterior given the flown flights, those in `data`, with log drag moved to its posterior mean in
+    `DRAG_ROUNDS` steps, from `start` above that of the point `center` around which the response was simulated (by
+    default the reference), in the units of the terms."""
     model, past, flown = ready.model, ready.past, ready.flown
     center = reference(model) if center is None else center
     level, offset = drag_term(past), start
-    for _ in range(rounds):
+    for _ in range(DRAG_ROUNDS):
         mean = usual_mean(ready, data, response, center, offset)
         offset = float(np.clip(mean[level] - center[level], -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
     moved = moved_at(response, offset)

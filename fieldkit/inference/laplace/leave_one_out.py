@@ -47,15 +47,13 @@ class LeaveOneOut:
     For every pair of scales: mean and variance of the compared (log) apogee [1], and the log weight of the pair (times
     the evidence of the other flights). The variance is scaled by the scatter of the other flights' apogees (`spread`);
     `known` is its part due to the uncertain terms.
-    `distance` is the squared Mahalanobis distance of the flight's readouts from the prediction, and `residual` the
-    standardized residual of each readout, flown minus expected.
+    `residual` is the standardized residual of each readout, flown minus expected.
     """
 
     mean: Float[Array, "scale flight"]
     variance: Float[Array, "scale flight"]
     known: Float[Array, "scale flight"]
     log_weight: Float[Array, "scale flight"]
-    distance: Float[Array, "scale flight"]
     residual: Float[Array, "scale flight readout"]
     spread: ScatterWeights | None
 
@@ -93,7 +91,7 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     scattered = own_variance(result)
     lies = _apogee_spread(result, mean, known, scattered, log_weight)
     variance = known + (1.0 if lies is None else lies.mean_square_without) * scattered
-    return LeaveOneOut(mean, variance, known, log_weight, distance, residual, lies)
+    return LeaveOneOut(mean, variance, known, log_weight, residual, lies)
 
 
 def _applied(matrix: Array, vector: Array) -> Array:
