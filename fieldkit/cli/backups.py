@@ -27,7 +27,13 @@ def list_(context: typer.Context, json: AsJson = False) -> None:
         print_json({"backups": [_document(one) for one in kept]})
     elif kept:
         rows = [
-            (str(one.number), f"{one.at.astimezone():%Y-%m-%d %H:%M}", _flights(one), str(one.changes), _size(one))
+            (
+                str(one.number),
+                f"{one.at.astimezone():%Y-%m-%d %H:%M}",
+                "?" if one.flights is None else str(one.flights),
+                str(one.changes),
+                f"{one.size / 1e6:.1f} MB",
+            )
             for one in kept
         ]
         print_table(("no.", "made", "flights", "changes", "size"), rows, numbers=["no.", "flights", "changes", "size"])
@@ -58,16 +64,8 @@ def restore(
         complain(f"The previous ledger is saved as {left}")
 
 
-def _flights(backup: "Backup") -> str:
-    return "?" if backup.flights is None else str(backup.flights)
-
-
 def _content(backup: "Backup") -> str:
     return "an unknown number of flights" if backup.flights is None else counted(backup.flights, "flight")
-
-
-def _size(backup: "Backup") -> str:
-    return f"{backup.size / 1e6:.1f} MB"
 
 
 def _document(backup: "Backup") -> dict[str, object]:

@@ -198,16 +198,13 @@ class Commands(TyperGroup):
 
 def _meant(typed: str, command: Any) -> list[str]:
     """The options of a command that an unknown one begins, or whose words contain it, or that have another name."""
-    known = {opt for one in command.params for opt in one.opts} & {_dashed(one.name or "") for one in command.params}
+    dashed = {f"--{(one.name or '').replace('_', '-')}" for one in command.params}
+    known = {opt for one in command.params for opt in one.opts} & dashed
     starting = [one for one in sorted(known) if len(typed) > LEAST_BEGINNING and one.startswith(typed)]
     within = [one for one in sorted(known) if f"-{typed.lstrip('-')}-" in f"{one}-"]
     return list(dict.fromkeys(one for one in (OTHER_OPTIONS.get(typed), *starting, *within) if one in known))[
         :MAX_NEAREST
     ]
-
-
-def _dashed(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
 
 
 app = typer.Typer(

@@ -32,7 +32,7 @@ def with_figures(found: Sequence[Parsed], format: str, digest: str) -> Sequence[
     results: list[Parsed] = []
     for item in found:
         if isinstance(item, Reading) and item.describes == "simulation":
-            results.append(_simulated(item))
+            results.append(replace(item, recorded=simulated(item.clocks, item.events)))  # displayed but never stored
         elif not isinstance(item, Reading) or item.describes != "flight":
             results.append(item)
         elif item.clocks:
@@ -45,11 +45,6 @@ def with_figures(found: Sequence[Parsed], format: str, digest: str) -> Sequence[
         else:
             results.append(_stated(item, format) if item.part else item)
     return results
-
-
-def _simulated(reading: Reading) -> Reading:
-    """A simulation with the values it states; it is displayed but never stored."""
-    return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
 
 def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Parsed]:

@@ -213,7 +213,7 @@ def _quantity_terms(
             continue
         group = history.groups("motor" if level == "rocket_motor" else level)
         kinds = _shared_days(group, history.flown) if level == "day" else list(dict.fromkeys(group))
-        for kind in _named(kinds) if level == "lot" else kinds:
+        for kind in filter(None, kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
             lasts = level == "rocket_motor" and hyperprior.documents  # how large it is, its own scale says
             scaled = "scatter" if level in ("rocket_motor", "day") and not lasts else ""
@@ -224,11 +224,6 @@ def _shared_days(days: Sequence[str], flown: int) -> list[str]:
     """Days with more than one of the first `flown` flights; the effect of a day with one flight is part of its
     scatter."""
     return [day for day in dict.fromkeys(days[:flown]) if day and days.count(day) > 1]
-
-
-def _named(groups: Sequence[str]) -> list[str]:
-    """The groups that have a name, each once."""
-    return [group for group in dict.fromkeys(groups) if group]
 
 
 def usual_terms(model: Model) -> list[Term]:

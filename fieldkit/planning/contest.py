@@ -126,14 +126,9 @@ def copy_season(year: int, own: Path) -> Path:
     if not file.exists():
         season(year)
         with changing(file):
-            _copy(file)
+            if not file.exists():  # another program may have made it in the meantime
+                files.replace(file, (FOLDER / file.name).read_bytes())
     return file
-
-
-def _copy(file: Path) -> None:
-    """Copy a shipped file of this name, unless another program has made it in the meantime."""
-    if not file.exists():
-        files.replace(file, (FOLDER / file.name).read_bytes())
 
 
 def rule_of(year: int) -> Season:

@@ -90,7 +90,7 @@ def in_time(prediction: StoredPrediction, flight: Flight) -> bool:
     if flight.date_time is None:
         return False
     whole_day = flight.date_time.time() == time()
-    made = _local(prediction.at).replace(second=0, microsecond=0)  # a typed time has no seconds
+    made = prediction.at.astimezone().replace(second=0, microsecond=0, tzinfo=None)  # typed times have no seconds
     passed = flight.date_time - made + timedelta(days=1) * whole_day
     return timedelta() <= passed <= LAPSES
 
@@ -144,11 +144,6 @@ def residual(flight: Flight, prediction: StoredPrediction | None) -> float | Non
     if prediction is None or flight.apogee is None:
         return None
     return flight.apogee - float(prediction.payload["apogee_m"]["p50"])
-
-
-def _local(moment: datetime) -> datetime:
-    """A time in local time, as flights have it."""
-    return moment.astimezone().replace(tzinfo=None)
 
 
 ForecastState = Literal["open", "stale", "flown", "replaced", "lapsed"]

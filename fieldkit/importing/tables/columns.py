@@ -54,7 +54,7 @@ def read_columns(
     header that stands again, because the logger was switched on again, is no row. Raises DamagedLog if not a single row
     can be read, or if a comma has two meanings in one column.
     """
-    decimal = decimal or _decimal(log, after, separator)
+    decimal = decimal or decimal_mark([split(line, separator) for line in first_lines(log, after, FIRST_ROWS)])
     if decimal == "." and _points_group(log, after, separator):
         decimal = ","
     source = _Cells(separator, decimal, quoted=separator is not None and b'"' in log)
@@ -122,8 +122,3 @@ def _points_group(log: bytes, after: int, separator: str | None) -> bool:
         return False
     lines = (line for _, some in blocks(log, after) for line in some)
     return groups_thousands((split(line, separator) for line in lines), ".")
-
-
-def _decimal(log: bytes, after: int, separator: str | None) -> str:
-    """The decimal mark of the first rows. Raises DamagedLog if `1,148` is ambiguous."""
-    return decimal_mark([split(line, separator) for line in first_lines(log, after, FIRST_ROWS)])

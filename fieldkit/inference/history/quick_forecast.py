@@ -145,7 +145,7 @@ def answers(ready: PreparedHistory, flown: Sequence[Flight], *, causes: bool = T
     taken for usual flights of the rocket. Raises ImpossibleFlight for a flight without a dry mass.
     """
     data = _data(ready, flown)
-    linear = _robust_fit(ready, data)
+    linear = robust(linear_fit(ready.fit, data, ready.response, center=ready.center))
     cases = with_one_offs(linear) if causes else [(1.0, linear)]
     found = mixed_moments([(chance, moments(one)) for chance, one in cases])
     mixture = mixed_apogees([(chance, apogee_mixture(one)) for chance, one in cases])
@@ -172,10 +172,6 @@ def _data(ready: PreparedHistory, flown: Sequence[Flight]) -> Data:
     if rows := [row for row, (now, then) in enumerate(zip(flown, before, strict=True)) if now is not then]:
         read = read.changed(rows, readings([flown[row] for row in rows], [history.found[row] for row in rows]))
     return as_compared(read, history.used_in_fit, ready.fit.model.hyperprior)
-
-
-def _robust_fit(ready: PreparedHistory, data: Data) -> LinearFit:
-    return robust(linear_fit(ready.fit, data, ready.response, center=ready.center))
 
 
 def _readouts(cases: Cases) -> list[dict[str, tuple[float, float, float]]]:

@@ -125,11 +125,10 @@ def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
     """
     hyperprior = replace(hyperprior, mean_sds={})
     found = [_fitted([flown_and_planned(flown) for flown in fleet], _period(fleet), hyperprior) for fleet in fleets]
-    return float(sum(joint_evidence([_alone(result) for result in fits]) for fits in found))
-
-
-def _alone(result: Fit) -> Alone:
-    return Alone(result.log_evidence, message_of(result), independent_prior([result.model]))
+    alone = [
+        [Alone(one.log_evidence, message_of(one), independent_prior([one.model])) for one in fits] for fits in found
+    ]
+    return float(sum(map(joint_evidence, alone)))
 
 
 def _model(history: History, hyperprior: Hyperprior, period: Period | None) -> Model:

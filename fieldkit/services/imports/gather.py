@@ -102,7 +102,7 @@ def gather(
     del found, read  # the rows of a large table take more memory than its flights
     by_digest = {original.digest: original for original in originals}
     incoming_flights: list[IncomingFlight] = []
-    rejected = [Rejected(one.name, None, None, _without_name(one)) for one in refused]
+    rejected = [Rejected(one.name, None, None, str(one.error).removeprefix(f"{one.name}: ")) for one in refused]
     notes: list[str] = []
     views: list[FileView] = []
     for folder, original, imported in zip(folders, originals, read_files, strict=True):
@@ -175,11 +175,6 @@ def _read_one(path: Path, how: ReadAs) -> list[_OneRead | _Refused]:
         else:
             found.append(_OneRead(opened, Original.of(content), path.parent))
     return found
-
-
-def _without_name(one: _Refused) -> str:
-    """An error in a file without the file's name, which is printed before it."""
-    return str(one.error).removeprefix(f"{one.name}: ")
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:

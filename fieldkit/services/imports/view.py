@@ -161,11 +161,11 @@ def _events(recorded: "Recorded | None") -> tuple[EventView, ...]:
     zero = lift.time if lift else 0.0
     found = sorted(recorded.events.items(), key=lambda item: item[1].time)
     return tuple(
-        EventView(name, event.time - zero, _height(name, event.time, recorded), sensor_of(event.source))
+        EventView(
+            name,
+            event.time - zero,
+            0.0 if name == "liftoff" else recorded.height_at(event.time),
+            sensor_of(event.source),
+        )
         for name, event in found
     )
-
-
-def _height(name: str, time: float, recorded: "Recorded") -> float | None:
-    """The height above the pad at an event, zero at lift-off. [m]"""
-    return 0.0 if name == "liftoff" else recorded.height_at(time)
