@@ -6,14 +6,13 @@ added to a fitted model only need the products of their columns after the model'
 identity. Bounds on a term add the logarithm of the ratio of the probabilities within them, posterior to prior.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import erfc
 from typing import NamedTuple
 
 import numpy as np
 
-from fieldkit.inference.batched_inverse import inverses
-from fieldkit.shapes import Array, Flags, Float, Int, Integers
+from fieldkit.shapes import Array, Float, Int, Integers
 
 INSIDE_SDS = 7.0
 """At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
@@ -49,38 +48,94 @@ def normal_posterior(
     return NormalPosterior(mean, covariance, np.asarray(log_bayes))
 
 
-def grouped_posterior(
-    information: Float[Array, "group term term"],
-    score: Float[Array, "group term"],
-    prior: Float[Array, "scale term term"],
-    log_det_prior: Float[Array, "scale"],
-    group: Int[Integers, "scale"],
-    varied: Flags,
-) -> NormalPosterior:
-    """As `normal_posterior`, for scales in groups with the same readouts: `group` is that of each scale. Within one,
-    only the priors of the terms `varied` differ, and they are independent of the other terms; in the units of the
-    terms.
+@dataclass(frozen=True, slots=True, eq=False)
+class NormalPrior:
+    """A normal prior of terms for several scales: independent with these variances, 0 for the terms in `joint`, which
+    have the covariance `block` at every scale; in the units of the terms, squared."""
 
-    Derivation: the other terms are eliminated once for each group (Schur complement; Bishop, 2006, section 2.3.1).
+    variance: Float[Array, "scale term"]
+    joint: Int[Integers, "joint"]
+    block: Float[Array, "joint joint"]
+
+    def along(self, sums: Float[Array, "sum term"]) -> Float[Array, "scale sum term"]:
+        """The covariance of sums of terms with each term."""
+        found = sums * self.variance[:, None]
+        found[..., self.joint] += sums[:, self.joint] @ self.block
+        return np.asarray(found)
+
+    def covariance(self) -> Float[Array, "scale term term"]:
+        """The covariance of all terms."""
+        return self.along(np.eye(self.variance.shape[1]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TermPosterior:
+    """A normal posterior of terms on which the readouts depend only by sums, for several scales.
+
+    `offset` is the mean less that of the prior, in the units of the terms, `along` the prior covariance of the sums
+    with the terms, and `known` the reduction of the covariance of the terms is `along`' `known` `along`. `log_bayes` is
+    as in `NormalPosterior`.
     """
-    common, own = np.flatnonzero(~varied), np.flatnonzero(varied)
-    common_rows, own_rows = common[:, None], own[:, None]
-    first = np.unique(group, return_index=True)[1]
-    inner, log_det_inner = inverses(information[:, common_rows, common] + prior[first][:, common_rows, common])
-    cross = information[:, common_rows, own]
-    gain = inner @ cross
-    left = information[:, own_rows, own] - np.swapaxes(cross, 1, 2) @ gain
-    outer, log_det_outer = inverses(left[group] + prior[:, own_rows, own])
-    part = gain[group] @ outer
-    covariance = np.empty(prior.shape)
-    covariance[:, own_rows, own] = outer
-    covariance[:, common_rows, own] = -part
-    covariance[:, own_rows, common] = -np.swapaxes(part, 1, 2)
-    covariance[:, common_rows, common] = inner[group] + part @ np.swapaxes(gain, 1, 2)[group]
-    mean = (covariance @ score[group][..., None])[..., 0]
-    distance = (score[group] * mean).sum(axis=-1)
-    log_bayes = 0.5 * (distance - log_det_inner[group] - log_det_outer + log_det_prior)
-    return NormalPosterior(mean, covariance, log_bayes)
+
+    prior: NormalPrior
+    offset: Float[Array, "scale term"]
+    along: Float[Array, "scale sum term"]
+    known: Float[Array, "scale sum sum"]
+    log_bayes: Float[Array, "scale"]
+
+    def covariance(self, scales: Int[Integers, "some"] | slice = slice(None)) -> Float[Array, "some term term"]:
+        """The covariance of the terms for all or `some` scales."""
+        along, prior = self.along[scales], replace(self.prior, variance=self.prior.variance[scales])
+        return np.asarray(prior.covariance() - np.swapaxes(along, 1, 2) @ self.known[scales] @ along)
+
+    def covariance_of(self, sums: Float[Array, "other term"]) -> Float[Array, "scale other other"]:
+        """The covariance of sums of the terms."""
+        along = self.along @ sums.T
+        return np.asarray(self.prior.along(sums) @ sums.T - np.swapaxes(along, 1, 2) @ self.known @ along)
+
+    def variance(self, terms: Int[Integers, "some"]) -> Float[Array, "scale some"]:
+        """The variances of some terms."""
+        along, before = self.along[..., terms], self.prior.variance.copy()
+        before[:, self.prior.joint] += np.diagonal(self.prior.block)
+        return np.asarray(before[:, terms] - (along * (self.known @ along)).sum(axis=1))
+
+
+def term_posterior(
+    information: Float[Array, "scale sum sum"],
+    score: Float[Array, "scale sum"],
+    prior: NormalPrior,
+    sums: Float[Array, "sum term"],
+) -> TermPosterior:
+    """The posterior of terms from the information matrix of the readouts about some of their sums, and the derivative
+    of the log likelihood at the prior mean (`score`), in the units of the terms.
+
+    Derivation: with the information W, and the prior covariance V of the sums, the reduction of the covariance is that
+    of a Kalman filter, (W^-1 + V)^-1 = (1 + W V)^-1 W.
+    """
+    along = prior.along(sums)
+    own = along @ sums.T
+    wider = np.eye(len(sums)) + information @ own
+    inverse = np.asarray(np.linalg.inv(wider), float)
+    moved = inverse @ score[..., None]
+    offset = (np.swapaxes(along, 1, 2) @ moved)[..., 0]
+    distance = (score * (own @ moved)[..., 0]).sum(axis=-1)
+    log_bayes = np.asarray(0.5 * (distance - np.linalg.slogdet(wider)[1]))
+    return TermPosterior(prior, offset, along, inverse @ information, log_bayes)
+
+
+def distinct_columns(
+    slope: Float[Array, "*entry term"],
+) -> tuple[Float[Array, "*entry sum"], Float[Array, "sum term"]]:
+    """The distinct columns of slopes without those that are 0 throughout, and for each which terms have it: the
+    readouts depend on the sum of these terms."""
+    columns = np.ascontiguousarray(slope.reshape(-1, slope.shape[-1]).T + 0.0)
+    places: dict[bytes, list[int]] = {}
+    for term in np.flatnonzero(columns.any(axis=1)).tolist():
+        places.setdefault(columns[term].tobytes(), []).append(term)
+    sums = np.zeros((len(places), len(columns)))
+    for row, terms in enumerate(places.values()):
+        sums[row, terms] = 1.0
+    return slope[..., [terms[0] for terms in places.values()]], sums
 
 
 @dataclass(frozen=True, slots=True, eq=False)

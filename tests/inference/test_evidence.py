@@ -8,12 +8,14 @@ from scipy.stats import multivariate_normal, norm
 
 from fieldkit.inference.evidence import (
     LinearModel,
+    NormalPrior,
     StrengthPrior,
-    grouped_posterior,
+    distinct_columns,
     log_mass,
     normal_posterior,
     pair_evidence,
     strength_posterior,
+    term_posterior,
 )
 
 RNG = np.random.default_rng(5)
@@ -31,19 +33,30 @@ def test_the_evidence_of_terms_is_that_of_a_normal_density_with_their_covariance
     assert found.log_bayes == pytest.approx(dense([0, 1, 2]))
 
 
-def test_scales_with_the_same_readouts_have_the_posterior_of_each_alone() -> None:
-    """The terms whose prior they share are eliminated once."""
-    slope, group, varied = RNG.normal(size=(2, 9, 5)), np.array([0, 0, 0, 1, 1]), np.isin(np.arange(5), [1, 4])
-    information, score = np.swapaxes(slope, 1, 2) @ slope, RNG.normal(size=(2, 5))
-    shared = np.linalg.inv(np.cov(RNG.normal(size=(3, 9))))  # terms with a joint prior
-    sds = np.exp(RNG.normal(size=(5, 5)))
-    prior = np.stack([np.diag(1 / row**2) for row in sds])
-    prior[:, np.array([[0], [2], [3]]), np.array([0, 2, 3])] = shared
-    log_det = np.linalg.slogdet(prior)[1]
-    found = grouped_posterior(information, score, prior, log_det, group, varied)
-    alone = normal_posterior(information[group], score[group], prior, log_det)
-    for one, other in zip(found, alone, strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12)
+def test_terms_that_act_only_by_their_sum_have_the_posterior_of_each_alone() -> None:
+    """With some independent terms, some with a joint prior, and one on which no readout depends."""
+    sums = np.array([[1, 0, 1, 0, 1, 0], [0, 1, 0, 1, 0, 0.0]])
+    slope = RNG.normal(size=(2, 9, 2)) @ sums
+    joint, block, variance = np.array([0, 2, 3]), np.cov(RNG.normal(size=(3, 9))), np.exp(RNG.normal(size=(2, 6)))
+    variance[:, joint] = 0
+    prior = NormalPrior(variance, joint, block)
+    distinct, found_sums = distinct_columns(slope[0])
+    np.testing.assert_array_equal(found_sums, sums)
+    np.testing.assert_array_equal(distinct, slope[0][:, :2])
+    score = RNG.normal(size=(2, 2))
+    information = np.swapaxes(slope, 1, 2) @ slope
+    few = information[:, :2, :2]
+    found = term_posterior(few, score, prior, sums)
+    precision = np.linalg.inv(prior.covariance())
+    mean, covariance, log_bayes = normal_posterior(
+        information, score @ sums, precision, np.linalg.slogdet(precision).logabsdet
+    )
+    np.testing.assert_allclose(found.offset, mean, rtol=1e-9)
+    np.testing.assert_allclose(found.covariance(), covariance, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found.covariance(np.array([1])), covariance[1:], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found.variance(np.array([4, 0])), np.diagonal(covariance, 0, 1, 2)[:, [4, 0]])
+    np.testing.assert_allclose(found.covariance_of(sums), sums @ covariance @ sums.T, rtol=1e-9)
+    np.testing.assert_allclose(found.log_bayes, log_bayes, rtol=1e-9)
 
 
 def test_the_evidence_of_a_pair_is_that_of_both_terms() -> None:

@@ -12,12 +12,12 @@ from statistics import NormalDist
 
 import numpy as np
 
+from fieldkit.inference.evidence import term_posterior
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.moments import Moments, moments
-from fieldkit.inference.laplace.posterior import Solution, flight_evidence, prior_precision
+from fieldkit.inference.laplace.posterior import Solution, flight_evidence, normal_prior
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Model
-from fieldkit.shapes import Array, Float
 
 FALSE_ALARMS = 0.01
 """Probability that a flight from the prior has a readout that is called inconsistent. [1]"""
@@ -52,7 +52,7 @@ def inconsistent_readout(linear: LinearFit) -> InconsistentReadout | None:
     if not len(seen):
         return None
     slope, noise = evidence.slope[0, seen], evidence.noise()[0, 0][np.ix_(seen, seen)]
-    precision = np.linalg.inv(slope @ _prior_covariance(model)[0] @ slope.T + noise)
+    precision = np.linalg.inv(slope @ normal_prior(model).covariance()[0] @ slope.T + noise)
     variance, own = 1 / np.diagonal(precision), np.diagonal(noise)
     away = precision @ evidence.miss[0, seen] * variance
     level = 1 - FALSE_ALARMS / (2 * len(seen))
@@ -75,14 +75,14 @@ def _at_median_scales(model: Model) -> Model:
     return replace(model, hyperprior=model.hyperprior.with_scales(*scales))
 
 
-def _prior_covariance(model: Model) -> Float[Array, "scale term term"]:
-    return np.asarray(np.linalg.inv(prior_precision(model)[0]))
-
-
 def without_data(linear: LinearFit) -> Moments:
     """The forecasts of a linear fit's plans from the prior alone, at the same point of linearization."""
     fit = linear.fit
     means = np.array([term.mean for term in fit.model.terms])
-    solution = Solution(fit.evidence, np.broadcast_to(means, fit.mean.shape), _prior_covariance(fit.model))
+    scales, terms = fit.mean.shape
+    unchanged = term_posterior(
+        np.zeros((scales, 0, 0)), np.zeros((scales, 0)), normal_prior(fit.model), np.zeros((0, terms))
+    )
+    solution = Solution(fit.evidence, np.broadcast_to(means, fit.mean.shape), unchanged)
     prior = replace(fit, solution=solution, log_weight=fit.model.hyperprior.scales()[2])
     return moments(replace(linear, fit=prior))

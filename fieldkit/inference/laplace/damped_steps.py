@@ -33,9 +33,8 @@ class DampedSteps:
         wanted = result.mean[best]
         target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
         bent = np.array([term.bends not in OBSERVED_READOUTS for term in terms])
-        close = (
-            FORECAST_TOLERANCE * np.sqrt(np.diagonal(result.covariance[best])) if near else CONVERGENCE_TOLERANCE * sds
-        )
+        sd = np.sqrt(np.diagonal(result.covariance_at(slice(best, best + 1))[0]))
+        close = FORECAST_TOLERANCE * sd if near else CONVERGENCE_TOLERANCE * sds
         move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
         turned = np.sign(move * self._last)
         self._share = np.minimum(self._share * 2.0**turned, 1.0)

@@ -154,11 +154,11 @@ def _drawn(
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
     """Draws of the terms from the slightly widened posterior, and their log density."""
     weights = fit.weights[scales] / fit.weights[scales].sum()
-    roots = np.linalg.cholesky(fit.covariance[scales]) * sqrt(INFLATION)
+    roots = np.linalg.cholesky(fit.covariance_at(scales)) * sqrt(INFLATION)
     which = rng.choice(len(scales), size=draws, p=weights)
     z = rng.normal(size=(draws, fit.mean.shape[1]))
     terms = fit.mean[scales][which] + np.einsum("dtu,du->dt", roots[which], z)
-    precision = np.asarray(np.linalg.inv(fit.covariance[scales]), float) / INFLATION
+    precision = np.asarray(np.linalg.inv(fit.covariance_at(scales)), float) / INFLATION
     square = _squared(terms, fit.mean[scales], precision)
     log_det = 2 * np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
     return terms, np.asarray(np.logaddexp.reduce(np.log(weights) - 0.5 * (square + log_det), axis=1))

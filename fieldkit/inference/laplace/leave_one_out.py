@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.inference.batched_inverse import inverses
+from fieldkit.inference.evidence import distinct_columns
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.inference.laplace.posterior import Fit, density_constant, residual_variance
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
@@ -66,13 +67,14 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     Woodbury's identity gives the error of the leave-one-out prediction, e = N M r, its covariance N M N, and the mean
     and covariance of every other prediction, without solving for the terms again.
     """
-    near, evidence, covariance = result.tangent, result.evidence, result.covariance
+    near, evidence = result.tangent, result.evidence
     prior_mean = np.array([term.mean for term in result.model.terms])
     offset = result.mean - prior_mean
-    flat = evidence.slope.reshape(evidence.miss.size, len(prior_mean))
-    spread = (flat @ covariance).reshape(len(covariance), *evidence.slope.shape)
+    columns, sums = distinct_columns(np.concatenate([evidence.slope, near.slope[:, :1]], axis=1))
+    slope, apogee, covariance = columns[:, :-1], columns[:, -1], result.covariance_of(sums)
+    spread = slope @ covariance[:, None]
     noise = evidence.noise()
-    sharper, log_det = inverses(noise - spread @ np.swapaxes(evidence.slope, 1, 2))
+    sharper, log_det = inverses(noise - spread @ np.swapaxes(slope, 1, 2))
     missed = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
     weighed = _applied(sharper, missed)
     distance = (missed * weighed).sum(axis=-1)
@@ -84,9 +86,8 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     residual[..., evidence.readouts] = _applied(noise, weighed) / np.sqrt(((noise @ sharper) * noise).sum(axis=-1))
     log_weight = result.log_weight[:, None] - own
 
-    apogee = near.slope[:, 0]
     ties = (spread @ apogee[:, :, None])[..., 0]
-    mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - (ties * weighed).sum(axis=-1)
+    mean = near.values[:, 0] + (prior_mean - near.at + offset) @ near.slope[:, 0].T - (ties * weighed).sum(axis=-1)
     known = ((apogee @ covariance) * apogee).sum(axis=-1) + (ties * _applied(sharper, ties)).sum(axis=-1)
     scattered = own_variance(result)
     lies = _apogee_spread(result, mean, known, scattered, log_weight)

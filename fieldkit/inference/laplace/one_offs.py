@@ -20,6 +20,7 @@ from math import log, pi
 import numpy as np
 
 from fieldkit.inference.batched_inverse import inverses
+from fieldkit.inference.evidence import distinct_columns
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve
@@ -209,9 +210,8 @@ def _left_out(fit: Fit, data: Data) -> _LeftOut:
     evidence = flight_evidence(fit.model, data, fit.tangent, fit.flight_weight)
     offset = fit.mean - np.array([term.mean for term in fit.model.terms])
     residual = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
-    flat = evidence.slope.reshape(evidence.miss.size, -1)
-    # not kept in a variable: the largest array of a comparison
-    known = (flat @ fit.covariance).reshape(len(offset), *evidence.slope.shape) @ np.swapaxes(evidence.slope, 1, 2)
+    slope, sums = distinct_columns(evidence.slope)
+    known = slope @ fit.covariance_of(sums)[:, None] @ np.swapaxes(slope, 1, 2)
     noise, log_sharpness = inverses(evidence.sharpness)
     used = np.asarray(fit.data.seen.any(axis=1))
     sharper, log_det = inverses(noise - np.where(used[:, None, None], known, 0.0))

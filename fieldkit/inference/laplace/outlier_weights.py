@@ -5,6 +5,7 @@ Source: Lange, Little and Taylor, Robust Statistical Modeling Using the t Distri
 
 import numpy as np
 
+from fieldkit.inference.evidence import distinct_columns
 from fieldkit.inference.laplace.outlier_flights import readouts_used
 from fieldkit.inference.laplace.posterior import Fit, residual_variance
 from fieldkit.shapes import Array, Float
@@ -21,10 +22,9 @@ def flight_weights(result: Fit) -> Float[Array, "flight"]:
     offset = result.mean[scales] - np.array([term.mean for term in result.model.terms])
     left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
     square = (left * (sharpness @ left[..., None])[..., 0]).sum(axis=-1)
-    spread = (evidence.slope.reshape(evidence.miss.size, -1) @ result.covariance[scales]).reshape(
-        len(left), *evidence.slope.shape
-    )
-    open_square = ((sharpness @ evidence.slope) * spread).sum(axis=(-2, -1))
+    slope, sums = distinct_columns(evidence.slope)
+    spread = slope @ result.covariance_of(sums)[scales][:, None]
+    open_square = ((sharpness @ slope) * spread).sum(axis=(-2, -1))
     expected = result.weights[scales] / result.weights[scales].sum() @ (square + open_square) / weight
     count = readouts_used(result.data, result.tangent)
     return np.asarray((nu + count) / (nu + expected))
@@ -52,9 +52,10 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
     sharpness = evidence.sharpness if data.normal is None else evidence.sharpness / data.normal[:, None, None]
     gain = own[..., None] * sharpness  # D N^-1
     mean = (gain @ left[..., None])[..., 0]
-    spread = gain @ evidence.slope
-    flat = spread.reshape(len(spread), -1, spread.shape[-1])
-    known = np.einsum("sft,sft->sf", flat @ result.covariance, flat).reshape(mean.shape)
+    slope, sums = distinct_columns(evidence.slope)
+    spread = gain @ slope
+    flat = spread.reshape(len(spread), evidence.miss.size, len(sums))
+    known = np.einsum("sft,sft->sf", flat @ result.covariance_of(sums), flat).reshape(mean.shape)
     unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own
     found = np.zeros((len(variance), *data.seen.shape))
     found[..., used] = (mean**2 + unexplained + known) / variance

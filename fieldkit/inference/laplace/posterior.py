@@ -12,7 +12,14 @@ from math import isfinite, log, pi
 import numpy as np
 
 from fieldkit.inference.batched_inverse import inverses
-from fieldkit.inference.evidence import LinearModel, grouped_posterior, log_mass, normal_posterior
+from fieldkit.inference.evidence import (
+    LinearModel,
+    NormalPrior,
+    TermPosterior,
+    distinct_columns,
+    log_mass,
+    term_posterior,
+)
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.model.documents import power
@@ -22,8 +29,6 @@ from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 UNOBSERVED_SD = 1e3
 """Standard deviation of readouts that were not observed."""
-FEW_SCALES = 16
-"""Below this number of scales, a matrix inverted for each takes less time than `grouped_posterior`. [1]"""
 WALKING_SCALE_WEIGHT = 1e-3
 """A fit ignores scales below this posterior weight until its last step. [1]"""
 SCALED_BY = ("", "scatter", "reading")
@@ -47,14 +52,6 @@ def _term_sds(model: Model) -> Float[Array, "scale term"]:
     return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** _powers(model))
 
 
-def _varied(model: Model) -> Flags:
-    """The terms whose prior alone depends on the scale of documents."""
-    varied = _powers(model) != 0
-    if model.shared is not None:
-        varied[[model.names.index(name) for name in model.shared.names]] = False
-    return np.asarray(varied)
-
-
 def _powers(model: Model) -> Float[Array, "term"]:
     """The power of the scale of documents in the prior standard deviation of each term. [1]"""
     return np.array([power(term.name.quantity, term.name.level) for term in model.terms])
@@ -76,6 +73,16 @@ def prior_precision(
     precision[:, np.array(rows)[:, None], rows] = block
     alone = np.setdiff1d(diagonal, rows)
     return precision, log_det[:, alone].sum(axis=1) + np.linalg.slogdet(block)[1]
+
+
+def normal_prior(model: Model, which: Int[Integers, "scale"] | slice = slice(None)) -> NormalPrior:
+    """The prior of the terms for every pair of scales, or for `which` of them."""
+    variance = term_sds(model)[which] ** 2
+    if model.shared is None:
+        return NormalPrior(variance, np.zeros(0, int), np.zeros((0, 0)))
+    joint = np.array([model.names.index(name) for name in model.shared.names], int)
+    variance[:, joint] = 0.0
+    return NormalPrior(variance, joint, model.shared.covariance)
 
 
 def residual_variance(
@@ -117,12 +124,12 @@ class FlightEvidence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """The normal posterior of the terms, of covariance `covariance`, for every pair of scales, beside the evidence of
-    the flights that it rests on."""
+    """The normal posterior of the terms for every pair of scales, beside the evidence of the flights that it rests
+    on."""
 
     evidence: FlightEvidence
     mean: Float[Array, "scale term"]
-    covariance: Float[Array, "scale term term"]
+    terms: TermPosterior
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,8 +164,16 @@ class Fit:
 
     @property
     def covariance(self) -> Float[Array, "scale term term"]:
-        """Covariance of the terms, in their units."""
-        return self._solved.covariance
+        """Covariance of the terms, in their units; computed on request, as a part of it is enough for most uses."""
+        return self._solved.terms.covariance()
+
+    def covariance_at(self, scales: Int[Integers, "some"] | slice) -> Float[Array, "some term term"]:
+        """As `covariance`, for some pairs of scales."""
+        return self._solved.terms.covariance(scales)
+
+    def covariance_of(self, sums: Float[Array, "sum term"]) -> Float[Array, "scale sum sum"]:
+        """Covariance of sums of the terms, in their units."""
+        return self._solved.terms.covariance_of(sums)
 
     @property
     def _solved(self) -> Solution:
@@ -176,13 +191,13 @@ class Fit:
 
     def linear(self, scales: Int[Integers, "some"] | slice = slice(None)) -> LinearModel:
         """The fit as a linear model of the used readouts, for all or `some` pairs of scales."""
-        return LinearModel(self.evidence.slope, self.evidence.sharpness[scales], self.covariance[scales])
+        return LinearModel(self.evidence.slope, self.evidence.sharpness[scales], self.covariance_at(scales))
 
     def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
         """Posterior mean and standard deviation of every term, in its unit."""
         if self.known_moments is not None:
             return self.known_moments
-        weights, variance = self.weights, np.diagonal(self.covariance, axis1=1, axis2=2)
+        weights, variance = self.weights, self._solved.terms.variance(np.arange(len(self.model.terms)))
         mean = weights @ self.mean
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 
@@ -209,14 +224,20 @@ def solve(
     values = len(documents.grid) if documents else 1
     _, first, group = np.unique(every // values, return_index=True, return_inverse=True)
     evidence = flight_evidence(model, data, near, flight_weight, every[first])
-    scales, terms = len(first), len(model.terms)
-    slope, miss = evidence.slope.reshape(-1, terms), evidence.miss.ravel()
-    weighed = (evidence.sharpness @ evidence.slope).reshape(scales, len(slope), terms)
-    missed = (evidence.sharpness @ evidence.miss[..., None]).reshape(scales, len(slope))
-    mean, covariance, log_weight = _weighed(model, (slope.T @ weighed, missed @ slope, missed @ miss), every, group)
+    slope, sums = distinct_columns(evidence.slope)
+    entries, count = evidence.miss.size, len(sums)
+    weighed = (evidence.sharpness @ slope).reshape(len(first), entries, count)
+    missed = (evidence.sharpness @ evidence.miss[..., None]).reshape(len(first), entries)
+    slope, miss = slope.reshape(entries, count), evidence.miss.ravel()
+    information, score, misfit = slope.T @ weighed, missed @ slope, missed @ miss
+    posterior = term_posterior(information[group], score[group], normal_prior(model, every), sums)
+    mean = np.array([term.mean for term in model.terms]) + posterior.offset
+    bounded = _bounded(model)
+    inside = log_inside(model, mean[:, bounded], posterior.variance(bounded))
+    log_weight = posterior.log_bayes - 0.5 * misfit[group] + model.hyperprior.scales()[2][every] + inside
     evidence = evidence.at(group)
     log_weight = log_weight - 0.5 * evidence.log_det.sum(axis=1)
-    found = Fit(model, data, near, Solution(evidence, mean, covariance), log_weight, scales=which)
+    found = Fit(model, data, near, Solution(evidence, mean, posterior), log_weight, scales=which)
     if flight_weight is None:
         return found
     tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
@@ -245,31 +266,6 @@ def probable_scales(known: Fit) -> Int[Integers, "scale"]:
     within = (scatter >= smaller) & (scatter <= own.max()) & (reading >= other.min()) & (reading <= other.max())
     within &= (documents >= exact.min()) & (documents <= exact.max())
     return np.flatnonzero(within)
-
-
-def _weighed(
-    model: Model,
-    sums: tuple[Float[Array, "group term term"], Float[Array, "group term"], Float[Array, "group"]],
-    which: Int[Integers, "scale"],
-    group: Int[Integers, "scale"],
-) -> tuple[Float[Array, "scale term"], Float[Array, "scale term term"], Float[Array, "scale"]]:
-    """Mean and covariance of the terms for some pairs of scales, and the log weight of each without the normalization
-    of the noise.
-
-    `sums` over the flights are the information matrix, the score at the prior means, and the squared distance of the
-    flights from them, for each `group` of pairs with the same noise.
-    """
-    information, gain, misfit = sums
-    prior, log_det_prior = prior_precision(model, which)
-    if FEW_SCALES <= len(group) > len(information):
-        varied = model.once("varied", lambda: _varied(model))
-        posterior = grouped_posterior(information, gain, prior, log_det_prior, group, varied)
-    else:
-        posterior = normal_posterior(information[group], gain[group], prior, log_det_prior)
-    offset, covariance, log_bayes = posterior
-    mean = np.array([term.mean for term in model.terms]) + offset
-    log_prior = model.hyperprior.scales()[2][which]
-    return mean, covariance, log_bayes - 0.5 * misfit[group] + log_prior + log_inside(model, mean, covariance)
 
 
 def flight_evidence(
@@ -334,13 +330,18 @@ def _noise(
 
 
 def log_inside(
-    model: Model, mean: Float[Array, "*batch term"], covariance: Float[Array, "*batch term term"]
+    model: Model, mean: Float[Array, "*batch bounded"], variance: Float[Array, "*batch bounded"]
 ) -> Float[Array, "*batch"]:
-    """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time. [nat]"""
-    rows = [i for i, term in enumerate(model.terms) if isfinite(term.low) or isfinite(term.high)]
-    low, high = (np.array([getattr(model.terms[i], end) for i in rows], float) for end in ("low", "high"))
-    sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)[..., rows])
-    return np.asarray(log_mass(mean[..., rows], sd, low, high).sum(axis=-1) - bounds_log_mass(model))
+    """Log ratio of posterior to prior mass inside the bounds of the bounded terms, in their order, one term at a time.
+    [nat]"""
+    terms = [model.terms[i] for i in _bounded(model)]
+    low, high = (np.array([getattr(term, end) for term in terms], float) for end in ("low", "high"))
+    return np.asarray(log_mass(mean, np.sqrt(variance), low, high).sum(axis=-1) - bounds_log_mass(model))
+
+
+def _bounded(model: Model) -> Int[Integers, "bounded"]:
+    """The terms with bounds."""
+    return np.array([i for i, term in enumerate(model.terms) if isfinite(term.low) or isfinite(term.high)], int)
 
 
 def bounds_log_mass(model: Model) -> float:
@@ -372,11 +373,13 @@ def growing(whole: Fit) -> Growing:
     own = (evidence.miss * missed).sum(axis=-1) + evidence.log_det
     if whole.flight_weight is not None:
         own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole.data, whole.tangent), model.hyperprior.tail)
-    covariance, log_det = _updated(np.asarray(np.linalg.inv(prior_precision(model)[0]), float), evidence)
+    covariance, log_det = _updated(normal_prior(model).covariance(), evidence)
     offset = (covariance @ score[..., None])[..., 0]
     mean = np.array([term.mean for term in model.terms]) + offset
     log_weight = 0.5 * ((score * offset).sum(axis=-1) - log_det - _before(own)) + model.hyperprior.scales()[2][:, None]
-    return Growing(mean, covariance, log_weight + log_inside(model, mean, covariance))
+    bounded = _bounded(model)
+    variance = np.diagonal(covariance, axis1=2, axis2=3)[..., bounded]
+    return Growing(mean, covariance, log_weight + log_inside(model, mean[..., bounded], variance))
 
 
 def _updated(

@@ -54,7 +54,12 @@ def test_other_parameters_do_not_pass(answer: QuickAnswer) -> None:
         linear = replace(answer.linear, fit=replace(fit, solution=replace(fit.solution, **other)))
         return replace(answer, cases=((1.0, linear),))
 
-    moved, narrow = passed(mean=fit.mean + 2 * sds), passed(covariance=0.05 * fit.covariance)
+    terms, prior = fit.solution.terms, fit.solution.terms.prior
+    smaller = replace(prior, variance=0.05 * prior.variance, block=0.05 * prior.block)
+    moved, narrow = (
+        passed(mean=fit.mean + 2 * sds),
+        passed(terms=replace(terms, prior=smaller, known=0.05 * terms.known)),
+    )
     own = check(answer)
     assert own.parameters_effective > 3 * check(moved).parameters_effective
     assert check(narrow).pareto_k > own.pareto_k
