@@ -258,6 +258,8 @@ def _port(names: Sequence[str], device: str | None) -> "Port":
     from fieldkit.capture import Port, ports
 
     here = ports()
+    if names and not names[0]:
+        raise PortTrouble("found an empty name, expected a port; `fieldkit capture --list` shows them")
     if names:
         real = str(Path(names[0]).resolve())
         return next((port for port in here if port.name in (names[0], real)), Port(names[0]))

@@ -20,7 +20,7 @@ from typer.core import TyperGroup
 from typer.main import get_group
 
 from fieldkit.cli.bare_numbers import note_bare_options
-from fieldkit.cli.metavars import name_values
+from fieldkit.cli.metavars import name_values, refuse_empty_paths
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
 from fieldkit.cli.units import ask_units_once, in_terminal
@@ -155,6 +155,7 @@ def _module(name: str) -> Mapping[str, Any]:
     commands: Mapping[str, Any] = get_group(import_module(f"fieldkit.cli.{name}").app).commands
     for title, command in commands.items():
         name_values(command)
+        refuse_empty_paths(command)
         _join_lines(command)
         command.rich_help_panel = SUBJECT_OF.get(title)
         if title in EXPLAINED_ON:

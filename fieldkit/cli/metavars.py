@@ -1,8 +1,11 @@
 """Placeholders of values in the help: `--dry-mass MASS` says what to type, a type such as `str` does not."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
+from functools import partial
 from typing import Any
+
+import typer
 
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.recovery import RECOVERY_COLUMNS
@@ -97,3 +100,21 @@ def name_values(command: Any) -> None:
             parameter.type.name = TYPES[parameter.type.name]
     for inner in getattr(command, "commands", {}).values():
         name_values(inner)
+
+
+def refuse_empty_paths(command: Any) -> None:
+    """Refuse an empty path of a command and its subcommands, such as that of a variable that a script never set:
+    pathlib would read it as the current folder."""
+    for parameter in command.params:
+        if parameter.type.name == "path":
+            parameter.type = copy(parameter.type)
+            parameter.type.convert = partial(_path, parameter.type.convert)
+    for inner in getattr(command, "commands", {}).values():
+        refuse_empty_paths(inner)
+
+
+def _path(convert: Callable[[Any, Any, Any], Any], text: Any, parameter: Any, context: Any) -> Any:
+    """The path of an argument."""
+    if text == "":
+        raise typer.BadParameter("found an empty path, expected the name of a file or folder", context, parameter)
+    return convert(text, parameter, context)

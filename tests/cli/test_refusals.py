@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import typer
 
-from fieldkit.cli.main import app, main
+from fieldkit.cli.main import OnDemand, app, main
 from fieldkit.errors import LONGEST_LINE, LedgerError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.limits import LIMITS
@@ -37,6 +37,28 @@ def filled(run: Run, tmp_path: Path) -> Run:
     (tmp_path / "flights.csv").write_text(TABLE)
     run("import", tmp_path / "flights.csv")
     return run
+
+
+def paths() -> Iterator[list[str]]:
+    """A command line for every option and argument of any command that takes a path, without the path."""
+    for name, command in OnDemand().items():
+        for inner, own in getattr(command, "commands", {"": command}).items():
+            for parameter in own.params:
+                if parameter.type.name == "path":
+                    option = parameter.opts[:1] if parameter.param_type_name == "option" else []
+                    yield [name, *filter(None, [inner]), *option]
+
+
+@pytest.mark.parametrize("begun", paths(), ids=" ".join)
+def test_an_empty_path_is_refused(run: Run, begun: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is no name for the current folder: a script forgot to set a variable."""
+    monkeypatch.chdir(tmp_path)
+    found = run(*begun, "", status=2)
+    assert "found an empty path, expected the name of a file or folder" in " ".join(found.err.replace("│", " ").split())
+
+
+def test_an_empty_port_is_refused(run: Run) -> None:
+    assert "found an empty name, expected a port" in run("capture", "", status=None).err
 
 
 @pytest.mark.parametrize("words", [["predict", "--quick"], ["predict"], ["delay"], ["landing"], ["loop"]], ids=str)

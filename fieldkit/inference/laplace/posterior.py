@@ -163,17 +163,22 @@ class Fit:
         return self._solved.mean
 
     @property
+    def posterior(self) -> TermPosterior:
+        """The posterior of the terms."""
+        return self._solved.terms
+
+    @property
     def covariance(self) -> Float[Array, "scale term term"]:
         """Covariance of the terms, in their units; computed on request, as a part of it is enough for most uses."""
-        return self._solved.terms.covariance()
+        return self.posterior.covariance()
 
     def covariance_at(self, scales: Int[Integers, "some"] | slice) -> Float[Array, "some term term"]:
         """As `covariance`, for some pairs of scales."""
-        return self._solved.terms.covariance(scales)
+        return self.posterior.covariance(scales)
 
     def covariance_of(self, sums: Float[Array, "sum term"]) -> Float[Array, "scale sum sum"]:
         """Covariance of sums of the terms, in their units."""
-        return self._solved.terms.covariance_of(sums)
+        return self.posterior.covariance_of(sums)
 
     @property
     def _solved(self) -> Solution:
@@ -197,7 +202,7 @@ class Fit:
         """Posterior mean and standard deviation of every term, in its unit."""
         if self.known_moments is not None:
             return self.known_moments
-        weights, variance = self.weights, self._solved.terms.variance(np.arange(len(self.model.terms)))
+        weights, variance = self.weights, self.posterior.variance(np.arange(len(self.model.terms)))
         mean = weights @ self.mean
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 

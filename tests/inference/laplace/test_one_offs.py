@@ -190,6 +190,20 @@ def test_what_goes_wrong_lowers_the_apogee_and_more_of_it_lowers_it_more(name: s
     assert (np.diff(apogee) < 1e-3).all()
 
 
+def test_a_cause_that_moves_readouts_by_rounding_alone_does_not_show() -> None:
+    """With apogees alone a late ejection changes nothing, whatever the last digits of two simulations."""
+    whole = fitted(season())
+    seen = whole.data.seen & (np.arange(whole.data.seen.shape[1]) == 0)
+    possible = [
+        np.isfinite(signatures(whole.model, whole.tangent.at, whole.tangent.values + off, seen).log_prior)
+        for off in (0.0, 1e-13, -1e-13)
+    ]
+    np.testing.assert_array_equal(possible[1], possible[0])
+    np.testing.assert_array_equal(possible[2], possible[0])
+    assert possible[0].any()
+    assert not possible[0].all()
+
+
 def test_an_arc_leaves_the_top_speed_as_usual_and_shortens_the_coast() -> None:
     whole = fitted(season())
     known = signatures(whole.model, whole.tangent.at, whole.tangent.values, whole.data.seen)

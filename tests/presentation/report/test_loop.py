@@ -14,6 +14,7 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
+from fieldkit.inference.laplace.posterior import Solution
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
@@ -136,7 +137,7 @@ def test_later_flights_change_no_earlier_choice(diagnosis: Diagnosis, found: Fin
     def spoilt(one: Hypothesis) -> Hypothesis:
         fit, miss = one.fit, one.fit.evidence.miss.copy()
         miss[-1] += 1.0
-        solution = replace(fit.solution, evidence=replace(fit.evidence, miss=miss))
+        solution = Solution(replace(fit.evidence, miss=miss), fit.mean, fit.posterior)
         return replace(one, fit=replace(fit, solution=solution))
 
     later = ahead(SetPosterior(tuple(spoilt(one) for one in diagnosis.posterior.hypotheses)))
