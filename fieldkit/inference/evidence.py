@@ -58,13 +58,13 @@ class NormalPrior:
     block: Float[Array, "joint joint"]
 
     def along(self, sums: Float[Array, "sum term"]) -> Float[Array, "scale sum term"]:
-        """The covariance of sums of terms with each term."""
+        """The covariance of sums of terms with each term, in their units, squared."""
         found = sums * self.variance[:, None]
         found[..., self.joint] += sums[:, self.joint] @ self.block
         return np.asarray(found)
 
     def covariance(self) -> Float[Array, "scale term term"]:
-        """The covariance of all terms."""
+        """The covariance of all terms, in their units, squared."""
         return self.along(np.eye(self.variance.shape[1]))
 
 
@@ -84,17 +84,17 @@ class TermPosterior:
     log_bayes: Float[Array, "scale"]
 
     def covariance(self, scales: Int[Integers, "some"] | slice = slice(None)) -> Float[Array, "some term term"]:
-        """The covariance of the terms for all or `some` scales."""
+        """The covariance of the terms for all or `some` scales, in their units, squared."""
         along, prior = self.along[scales], replace(self.prior, variance=self.prior.variance[scales])
         return np.asarray(prior.covariance() - np.swapaxes(along, 1, 2) @ self.known[scales] @ along)
 
     def covariance_of(self, sums: Float[Array, "other term"]) -> Float[Array, "scale other other"]:
-        """The covariance of sums of the terms."""
+        """The covariance of sums of the terms, in their units, squared."""
         along = self.along @ sums.T
         return np.asarray(self.prior.along(sums) @ sums.T - np.swapaxes(along, 1, 2) @ self.known @ along)
 
     def variance(self, terms: Int[Integers, "some"]) -> Float[Array, "scale some"]:
-        """The variances of some terms."""
+        """The variances of some terms, in their units, squared."""
         along, before = self.along[..., terms], self.prior.variance.copy()
         before[:, self.prior.joint] += np.diagonal(self.prior.block)
         return np.asarray(before[:, terms] - (along * (self.known @ along)).sum(axis=1))
@@ -126,8 +126,8 @@ def term_posterior(
 def distinct_columns(
     slope: Float[Array, "*entry term"],
 ) -> tuple[Float[Array, "*entry sum"], Float[Array, "sum term"]]:
-    """The distinct columns of slopes without those that are 0 throughout, and for each which terms have it: the
-    readouts depend on the sum of these terms."""
+    """The distinct columns of slopes, in their units, without those that are 0 throughout, and for each 1 for the terms
+    that have it [1]: the readouts depend on the sum of these terms."""
     columns = np.ascontiguousarray(slope.reshape(-1, slope.shape[-1]).T + 0.0)
     places: dict[bytes, list[int]] = {}
     for term in np.flatnonzero(columns.any(axis=1)).tolist():

@@ -49,11 +49,11 @@ def paths() -> Iterator[list[str]]:
                     yield [name, *filter(None, [inner]), *option]
 
 
-@pytest.mark.parametrize("begun", paths(), ids=" ".join)
-def test_an_empty_path_is_refused(run: Run, begun: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("words", paths(), ids=" ".join)
+def test_an_empty_path_is_refused(run: Run, words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is no name for the current folder: a script forgot to set a variable."""
     monkeypatch.chdir(tmp_path)
-    found = run(*begun, "", status=2)
+    found = run(*words, "", status=2)
     assert "found an empty path, expected the name of a file or folder" in " ".join(found.err.replace("│", " ").split())
 
 

@@ -173,7 +173,7 @@ class Fit:
         return self.posterior.covariance()
 
     def covariance_at(self, scales: Int[Integers, "some"] | slice) -> Float[Array, "some term term"]:
-        """As `covariance`, for some pairs of scales."""
+        """Covariance of the terms for some pairs of scales, in their units."""
         return self.posterior.covariance(scales)
 
     def covariance_of(self, sums: Float[Array, "sum term"]) -> Float[Array, "scale sum sum"]:
