@@ -33,8 +33,8 @@ def version_average(payload: Mapping[str, Any]) -> Averaged:
 
 
 def version_summary(version: Version) -> tuple[str, float | None, float | None]:
-    """The effects that a model version adds, each set with its probability, `wind 80%, nothing 20%`, and its mean
-    absolute errors before and after [m]; for what this program cannot read, a phrase and None."""
+    """The effects that a model version adds, in words, each set with its probability, `wear 80%, nothing 20%`, and its
+    mean absolute errors before and after [m]; for what this program cannot read, a phrase and None."""
     errors = [version.payload.get(when) for when in ("before", "after")]
     found: list[Any] = [one.get("mae_m") if isinstance(one, Mapping) else None for one in errors]
     before, after = (float(one) if are_numbers([one], 1) else None for one in found)
@@ -45,9 +45,7 @@ def version_summary(version: Version) -> tuple[str, float | None, float | None]:
 
 
 def _adds(sets: Averaged) -> str:
-    named = [
-        "+".join(str(place) if place.effect else place.in_words for place in places) or "nothing" for _, places in sets
-    ]
+    named = [" and ".join(place.in_words for place in places) or "nothing" for _, places in sets]
     added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
     return named[0] if len(named) == 1 else added
 

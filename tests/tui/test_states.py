@@ -25,15 +25,22 @@ from tests.pressing import at_home, opened, press, shown, typed
         ("+11.7", []),
         (" ├──●─◆┤ ", [GOOD_COLOR]),
         (" ├──●──┤ ◆ ", [CAUTION_COLOR]),
+        (" ├─◎●──┤ ", [GOOD_COLOR]),
+        (" ├──◉──┤ ", [GOOD_COLOR]),
+        (" ├──●──┤ ◎ ", [MARK_COLOR]),
         ("   ◆  ◎ ", [MARK_COLOR, MARK_COLOR]),
         ("◎──●──┤", [MARK_COLOR]),
         ("", []),
     ],
 )
 def test_a_cell_has_the_color_of_the_state_that_its_symbol_shows(cell: str, states: list[str]) -> None:
-    parts = list(runs(cell))
+    parts = list(runs(cell, aims=True))
     assert "".join(text for text, _ in parts) == cell
     assert [color for text, color in parts if color and text.strip()] == states
+
+
+def test_a_mark_that_is_no_target_has_the_color_of_marks() -> None:
+    assert [color for text, color in runs(" ├─◎●──┤ ") if color] == [MARK_COLOR]
 
 
 def test_a_flight_outside_its_interval_is_colored_so_in_a_list_of_intervals() -> None:

@@ -445,6 +445,18 @@ async def test_a_saved_flight_fills_the_page_with_its_plot(file: Path) -> None:
         assert pilot.app.screen.query_one("AfterCard .hill").region.height >= 10
 
 
+@pytest.mark.parametrize(
+    "keys",
+    [("0",), ("1",), ("4",), ("4", "g", *typed("240m"), "enter"), ("4", "c"), ("5", "right"), ("6",), ("6", "right")],
+    ids=" ".join,
+)
+async def test_no_row_is_cut_at_80_columns(file: Path, keys: tuple[str, ...]) -> None:
+    async with opened(file, (80, 24), page="home") as pilot:
+        for key in keys:
+            await press(pilot, key, "_")
+        assert "…" not in shown(pilot)
+
+
 async def test_what_a_version_adds_is_never_cut(file: Path) -> None:
     wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
     several = [{**wear, "effect": name} for name in ("wear", "wind", "motor_thrust", "altimeter_scale")]
@@ -453,4 +465,7 @@ async def test_what_a_version_adds_is_never_cut(file: Path) -> None:
         ledger.keep_version("Astra", version_payload(looked_at().diagnosis) | {"effects": several, "averaged": sets})
     async with opened(file, page="loop") as pilot:
         await press(pilot, "right", "right", "end", "_")
-        assert "Version 1 adds wear 25%, wind 25%, motor_thrust 25%, altimeter_scale 25%" in words(pilot)
+        adds = (
+            "wear 25%, weathercocking in the wind 25%, a weak or strong motor 25%, an altimeter that reads high or low"
+        )
+        assert f"Version 1 adds {adds} 25%" in words(pilot)

@@ -226,7 +226,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
     def _colored(self, cells: Sequence[str], style: Style) -> Strip:
         """A row without the cursor, its states in their colors."""
-        parts = [(NO_MARK, ""), *(part for cell in self._fitted(cells) for part in runs(cell))]
+        parts = [(NO_MARK, ""), *(part for cell in self._fitted(cells) for part in runs(cell, aims=True))]
         colors = {
             color: style + self.get_component_rich_style(f"table--{color}") for color in {c for _, c in parts if c}
         }
