@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fieldkit.scoring.proper_scores import Calibration
     from fieldkit.services.scores import LedgerScores
 
-MAX_BAR_LENGTH, BRIEF_BAR_LENGTH = 30, 24
+MAX_BAR_LENGTH, BRIEF_BAR_LENGTH = 30, 14
 """Longest bars; those beside names leave room for them on a line of 80. [character]"""
 HEADERS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "in 90%")
 DIFFERENCE_HEADERS = ("fieldkit is better by", "mean error", "CRPS", "interval")

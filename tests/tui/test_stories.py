@@ -421,6 +421,14 @@ async def test_a_row_of_the_finals_is_one_line(file: Path, size: tuple[int, int]
         assert "points" in heads
 
 
+async def test_a_bar_of_a_score_is_beside_its_figure(file: Path) -> None:
+    async with opened(file, (120, 36), page="next_flight") as pilot:
+        await press(pilot, "d", *["right"] * 5, "_")
+        bars = [line for line in shown(pilot).splitlines() if "█" in line and " m " in line]
+        assert len(bars) == 6
+        assert len([line for line in shown(pilot).splitlines() if line.strip().startswith("█" * 8)]) == 0
+
+
 async def test_a_decision_names_its_conditions_in_brief_until_all_are_asked_for(file: Path) -> None:
     async with opened(file, (120, 36), page="next_flight") as pilot:
         await press(pilot, "d", "_")
