@@ -42,8 +42,8 @@ def conditions_in_words(
     plan: Flight, rocket: Rocket | None = None, system: str = "SI", *, brief: bool = False
 ) -> Iterator[str]:
     """A plan's air and its effect on the altimeter, its other conditions, and the design whose Cd it starts from if the
-    `rocket` has one; in the units of a system. `brief` leaves out by how much other conditions than those assumed
-    change the apogee."""
+    `rocket` has one; in the units of a system. `brief` leaves out by how much another air or rail
+    angle than the one assumed changes the apogee."""
     air = air_of(plan)
     other = f" ({air.other(system)})" if air.assumed and not brief else ""
     yield f"  air       {air.words(system)}{other}"
@@ -51,8 +51,7 @@ def conditions_in_words(
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     breeze = measure(BY_NAME["wind"], BREEZE, system)
-    windy = "" if brief else f" (from calm to {breeze} the apogee falls {IN_A_BREEZE})"
-    blows = f"wind {wind}" if wind else f"wind not given{windy}"
+    blows = f"wind {wind}" if wind else f"wind not given (from calm to {breeze} the apogee falls {IN_A_BREEZE})"
     slanted = f"at {(angle or '').removeprefix('-')} {_way(plan)}"
     tilted = "" if brief else f"; 5° off lowers the apogee {OFF_VERTICAL}"
     upright = "vertical" if angle else f"vertical (default{tilted})"

@@ -24,11 +24,11 @@ def test_a_kit_that_never_flew_is_planned_from_the_range_box_and_flown(run: Run,
     assert "5:+" in boxed, "only the delay in the box"
     assert "3:-" not in boxed
     plan = ("--kit", "Big Bertha", "--motor", "C6-5", "--wind", "5mph")
-    untested = printed(run, "predict", *plan)
+    untested = printed(run, "predict", *plan, "--checks")
     assert "rail 0.9 m" in untested
     assert "no static margin, and this rocket has not flown: check it before flight" in untested
     checked = (*plan, "--stability-cal", "1.6", "--parachute-diameter", "18in", "--field-size", "400ft")
-    assert "not flown: check it" not in printed(run, "predict", *checked)
+    assert "not flown: check it" not in printed(run, "predict", *checked, "--checks")
     assert "best" in printed(run, "delay", *checked)
     run("landing", *checked, "--safety-sheet", tmp_path / "sheet.pdf", "--card", tmp_path / "card.pdf")
     assert all((tmp_path / name).read_bytes().startswith(b"%PDF") for name in ("sheet.pdf", "card.pdf"))
