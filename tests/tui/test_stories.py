@@ -433,11 +433,10 @@ async def test_a_decision_names_its_conditions_in_brief_until_all_are_asked_for(
     async with opened(file, (120, 36), page="next_flight") as pilot:
         await press(pilot, "d", "_")
         brief = text_of(pilot, "#under")
-        assert "wind not given, rail" in brief
+        assert "wind not given (from calm to 4.5 m/s the apogee falls by 4 to 9%), rail" in brief
         assert "lowers the apogee" not in brief
         await press(pilot, "exclamation_mark")
         assert "lowers the apogee" in text_of(pilot, "#under")
-        assert "the apogee falls" in text_of(pilot, "#under")
 
 
 async def test_a_landing_without_a_wind_has_its_drift_drawn_against_the_wind(file: Path) -> None:
