@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit import settings
-from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
+from fieldkit.cli.options import takes_flight
 from fieldkit.cli.predictions import print_outcome
 from fieldkit.cli.screen import complain, print_card, remark, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
@@ -32,23 +32,6 @@ PANEL = "The flight; a number may have a unit, as in 923ft"
 def add(
     context: typer.Context,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an unfinished flight, without asking.")] = False,
-    lift_off_mass: Annotated[
-        str | None,
-        typer.Option(
-            help="Mass ready to fly with the motor: 620g, 22oz; replaces the dry mass.", rich_help_panel=PANEL
-        ),
-    ] = None,
-    timer_1_s: Annotated[
-        str | None,
-        typer.Option(
-            "--timer-1-s", "--timer-1", metavar="S", help="What a watch showed: 38.42.", rich_help_panel=PANEL
-        ),
-    ] = None,
-    timer_2_s: Annotated[
-        str | None,
-        typer.Option("--timer-2-s", "--timer-2", metavar="S", help="What another one showed.", rich_help_panel=PANEL),
-    ] = None,
-    eggs: Annotated[str | None, typer.Option(help="2 intact, 1 cracked.", rich_help_panel=PANEL)] = None,
     again: Annotated[
         bool, typer.Option("--again", help="Add the flight even if the ledger has one with the same values.")
     ] = False,
@@ -62,13 +45,12 @@ def add(
     """
     from fieldkit.services.unknown_names import unknown_names
 
-    given |= {"timer_1_s": timer_1_s, "timer_2_s": timer_2_s, "eggs": eggs}
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
-        if changes or lift_off_mass is not None:
+        if changes:
             if changes.get("rocket"):
                 changes["rocket"] = same_name(changes["rocket"], ledger.names("rocket"))
-            flight = _from_options(changes, lift_off_mass)
+            flight = _from_options(changes)
             for phrase in unknown_names(ledger, flight, given, new=True):
                 complain(f"note: {phrase}")
             flight, filled = _as_built(ledger, flight, changes)
@@ -78,18 +60,17 @@ def add(
             _add(ledger, *_from_answers(ledger, resume=resume), again=again)
 
 
-takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), PANEL)
+takes_flight(add, PANEL)
 app.command()(add)
 
 
-def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight":
+def _from_options(changes: dict[str, str]) -> "Flight":
     from fieldkit.motors.several import tagged
 
-    weighed = {} if lift_off_mass is None else {LIFT_OFF: lift_off_mass}
-    flight = Flight().with_changes(**read_settings(changes | weighed, MotorCheck()))
+    flight = Flight().with_changes(**read_settings(changes, MotorCheck()))
     if not flight.rocket:
         raise BadValue("rocket: found nothing, expected the rocket's name")
-    if weighed:
+    if LIFT_OFF in changes:
         note_dry_mass(flight)
     return tagged(flight)
 

@@ -44,7 +44,7 @@ OPTIONS = """
     YEAR: season
     RULES: rules
     RANGE: targets
-    SECONDS: cuts window
+    SECONDS: cuts timer_1_s timer_2_s window
     POINTS: cut
     PERCENT: parachute reef
     DEGREES: wind_from

@@ -1,7 +1,7 @@
 """Options for columns of a flight, with and without the unit in the name, and those of the motor guide."""
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -29,6 +29,15 @@ OPTION_HELP = {
     "notes": "Free text.",
 }
 """Help of the text columns of a flight."""
+SHORTER = {"date_time": ("date",)}
+"""Other names of the options of columns."""
+OTHER_OPTIONS = (
+    ("lift_off_mass", ["--lift-off-mass"], "Mass ready to fly with the motor: 620g, 22oz; replaces the dry mass."),
+    ("timer_1_s", ["--timer-1-s", "--timer-1"], "What a watch showed: 38.42."),
+    ("timer_2_s", ["--timer-2-s", "--timer-2"], "What another one showed."),
+    ("eggs", ["--eggs"], "2 intact, 1 cracked."),
+)
+"""Options of a flight that are not among its columns: its name, the flags and the help."""
 TYPED_EXAMPLES = {
     "dry_mass": "11.4oz",
     "diameter": "2.6in",
@@ -47,24 +56,36 @@ COMPLETIONS = {"rocket": rocket_names, "config": config_names, "motor": motor_na
 """Completion function of each option."""
 
 
-def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: Iterable[str], panel: str) -> None:
+def takes_columns(
+    command: Callable[..., None], texts: Iterable[str], numbers: Iterable[str], panel: str, *, hidden: bool = False
+) -> None:
     """Give a command an option for each column, which arrives as text (or None) among its `**given`."""
     signature = inspect.signature(command)
     own = [parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
-    own += [_option(name, [f"--{name.replace('_', '-')}"], OPTION_HELP[name], panel) for name in texts]
+    for name in texts:
+        flags = [f"--{one.replace('_', '-')}" for one in (name, *SHORTER.get(name, ()))]
+        own.append(_option(name, flags, OPTION_HELP[name], panel, hidden=hidden))
     for header in numbers:
         name = header.rpartition("_")[0]
         flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
         column = flight.BY_NAME[name]
         typed = f", or with a unit: {TYPED_EXAMPLES[name]}" if name in TYPED_EXAMPLES else ""
-        own.append(_option(name, flags, f"{column.help[:-1]}; in {_unit(column.unit)}{typed}.", panel))
-    keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
-    command.__signature__ = inspect.Signature(keyword)  # type: ignore[attr-defined]  # read by typer
-    command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
+        text = f"{column.help[:-1]}; in {_unit(column.unit)}{typed}."
+        own.append(_option(name, flags, text, panel, hidden=hidden))
+    _take(command, [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own])
 
 
 LACKING = "What the files lack, for every flight in them; other columns with --set"
 """Heading of the options of `takes_lacking` in a command's help."""
+
+
+def takes_flight(command: Callable[..., None], panel: str = "", *, hidden: bool = False) -> None:
+    """Give a command the options of a whole flight, which arrive among its `**given`, see `takes_columns`; its help
+    lists them unless they are `hidden`."""
+    takes_columns(command, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), panel, hidden=hidden)
+    signature: inspect.Signature = command.__signature__  # type: ignore[attr-defined]
+    judged = [_option(name, flags, text, panel, hidden=hidden) for name, flags, text in OTHER_OPTIONS]
+    _take(command, [*signature.parameters.values(), *judged])
 
 
 def takes_lacking(command: Callable[..., None]) -> None:
@@ -107,6 +128,11 @@ def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) 
     parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, PLAN) for name, text in FIELD]
     recovery = {name: column[2] for name, column in RECOVERY_COLUMNS.items()} | RECOVERY_TEXTS
     parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, RECOVERY) for name, text in recovery.items()]
+    _take(command, parameters)
+
+
+def _take(command: Callable[..., None], parameters: Sequence[inspect.Parameter]) -> None:
+    """Give a command these parameters."""
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
 
@@ -116,9 +142,10 @@ def dashed(given: Mapping[str, str | None]) -> dict[str, str]:
     return {f"--{name.replace('_', '-')}": text for name, text in given.items() if text is not None}
 
 
-def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Parameter:
+def _option(name: str, flags: list[str], text: str, panel: str, *, hidden: bool = False) -> inspect.Parameter:
+    complete = COMPLETIONS.get(name)
     option: Any = typer.Option(
-        *flags, help=text, rich_help_panel=panel, show_default=False, autocompletion=COMPLETIONS.get(name)
+        *flags, help=text, rich_help_panel=panel, show_default=False, autocompletion=complete, hidden=hidden
     )
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, option]

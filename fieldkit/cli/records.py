@@ -8,6 +8,7 @@ import typer
 
 from fieldkit.cli.compare import document as measured
 from fieldkit.cli.completing import flight_ids, rocket_names
+from fieldkit.cli.options import takes_flight
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import AsJson, complain, print_card, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
@@ -203,20 +204,23 @@ def _print_events(recording: "Recording") -> None:
         complain(f"note: {in_system(note, system())}")
 
 
-@app.command()
 def edit(
     context: typer.Context,
     flight: FlightId,
     changes: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
-            metavar="[FLIGHT...] COLUMN=VALUE...", help="More flights, and apogee=923ft; an empty value clears: notes=."
+            metavar="[FLIGHT...] COLUMN=VALUE...",
+            help="More flights, and apogee=923ft; an empty value clears: notes=.",
+            show_default=False,
         ),
-    ],
+    ] = None,
+    **given: str | None,
 ) -> None:
     """Change columns of a flight, of several, or of all flights of a rocket, for which its name stands.
 
-    A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
+    The options of `fieldkit add` change them too: --apogee 923ft. A readout also has a standard deviation and a source:
+    apogee_sd_m=2, apogee_source=gps.
     lift_off_mass=620g is the mass weighed with the motor, from which the dry mass follows.
     timer_1_s=38.42 and timer_2_s are what two watches showed, eggs="2 intact" how a contest flight was judged.
     Lark rocket=Comet renames a rocket, and the correction of the loop goes with it; a flight whose id the other rocket
@@ -224,12 +228,21 @@ def edit(
     """
     from fieldkit.services.renaming import renaming
 
+    changes = changes or []
+    options = {name: text for name, text in given.items() if text is not None}
     more = list(takewhile(lambda one: "=" not in one, changes))
-    settings = split_settings(changes[len(more) :] or more[-1:])
+    if not options and len(more) == len(changes):
+        raise typer.BadParameter(f"found {more[-1]!r}, expected COLUMN=VALUE" if more else "expected COLUMN=VALUE")
+    settings = split_settings(changes[len(more) :])
+    if both := ", ".join(settings.keys() & options.keys()):
+        raise typer.BadParameter(f"found {both} twice, expected one value")
+    settings |= options
     motors = MotorCheck()
     with open_ledger(context) as ledger:
         before = [ledger.flight(id) for id in ledger.ids_meant([flight, *more])]
-        change = renaming(ledger, before, [_changed(ledger, motors, one, settings) for one in before])
+        changed = [_changed(ledger, motors, one, settings) for one in before]
+        _note_unknown_names(ledger, before, changed)
+        change = renaming(ledger, before, changed)
         own = change.changes
         what = f"({', '.join(dict.fromkeys(chain(*own)))})"
         done = ledger.edit_each(dict(zip(ledger.ids(before), own, strict=True)), "edit", what, change.corrections)
@@ -244,6 +257,10 @@ def edit(
             note_dry_mass(one)
     named = names[0] if len(names) == 1 else counted(done or len(names), "flight")
     say(f"Changed {named}. `fieldkit undo` to undo." if done else f"{named[0].upper()}{named[1:]} unchanged")
+
+
+takes_flight(edit, hidden=True)
+app.command()(edit)
 
 
 def _changed(
@@ -264,6 +281,25 @@ def _changed(
         for note in notes:
             complain(f"note: {in_system(note.text, system())}; edit to change")
     return changed
+
+
+def _note_unknown_names(
+    ledger: "Ledger", before: "Sequence[Flight]", changed: "Sequence[Mapping[str, object]]"
+) -> None:
+    """Print a note for each new name of a flight that looks like a misspelled known one, except one that no other
+    flight has."""
+    from fieldkit.services.unknown_names import unknown_names
+
+    others = [one for rocket in {one.rocket for one in before} for one in ledger.flights(rocket) if one not in before]
+    former = {name for one in before for name in (one.rocket, one.config, one.site)}
+    former -= {name for one in others for name in (one.rocket, one.config)}
+    notes = [
+        note
+        for one, values in zip(before, changed, strict=True)
+        for note in unknown_names(ledger, one.with_changes(**values), values, new=True, former=former)
+    ]
+    for note in dict.fromkeys(notes):
+        complain(f"note: {note}")
 
 
 def _remark_changes(

@@ -284,6 +284,27 @@ def test_edit_accepts_units_in_the_name_or_with_the_value(full: Run) -> None:
     assert "unchanged" in full("edit", "1", "apogee=").out
 
 
+def test_edit_accepts_the_options_of_add(full: Run) -> None:
+    full("edit", "1", "2", "--dry-mass", "17.2oz", "--date", "2026-05-01 10:30", "notes=calm")
+    for id in ("1", "2"):
+        outcome = full("show", id, "--json").document
+        assert (outcome["date_time"], outcome["notes"]) == ("2026-05-01T10:30:00", "calm")
+        assert outcome["dry_mass_g"] == pytest.approx(487.6, abs=0.1)
+    assert "note: dry mass 332 g, without F24-4W" in full("edit", "1", "--lift-off-mass", "395g").err
+    full("edit", "1", "--notes", "")
+    assert full("show", "1", "--json").document["notes"] == ""
+    assert "found apogee twice" in full("edit", "1", "--apogee", "815ft", "apogee=3", status=2).err
+    assert "expected COLUMN=VALUE" in full("edit", "1", status=2).err
+    assert "--dry-mass" in full("add", "--help").out
+    assert "--dry-mass" not in full("edit", "--help").out
+
+
+def test_edit_notes_a_new_name_like_a_known_one(full: Run) -> None:
+    assert full("edit", "1", "rocket=Astrra").err.startswith("note: no rocket 'Astrra'; did you mean Astra?\n")
+    assert full("edit", "Astrra", "rocket=Astra").err == ""
+    assert full("edit", "Astra", "rocket=Astrra").err == ""
+
+
 def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
     output = full("edit", "1", "lift_off_mass=395g")
     assert "note: dry mass 332 g, without F24-4W" in output.err

@@ -44,7 +44,7 @@ REST = {
     "contest": ON,
     "daysheet": f"{ON} --out {{folder}}/sheet.pdf",
     "delay": ON,
-    "edit": "notes=calm",
+    "edit": "11 notes=calm",
     "finals": ON,
     "flyer": "--count 1",
     "inspect": "{table}",
