@@ -34,7 +34,7 @@ from fieldkit.importing.tables.column_units import AXES, units_of
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.headings import heading
-from fieldkit.importing.tables.layout import Layout, layout_of
+from fieldkit.importing.tables.layout import Layout, is_even_clock, layout_of
 from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.importing.tables.pad_state import BOOST_FORCE, ONE_G_RANGE, along_thrust
 from fieldkit.importing.tables.text import shown
@@ -59,7 +59,8 @@ LONG_SILENCE, MANY_STEPS, LEAST_CLIMB = 120.0, 500.0, 15.0
 def recognises(head: bytes) -> bool:
     layout = layout_of(head)
     named = {pick.channel for pick in guessed(layout)}
-    return layout.named and "time" in named and bool(named & set(SUFFICIENT_CHANNELS))
+    is_log = layout.named or is_even_clock(head, layout, 0)
+    return is_log and "time" in named and bool(named & set(SUFFICIENT_CHANNELS))
 
 
 def read(log: bytes) -> list[Parsed]:
@@ -191,6 +192,8 @@ def _line(
     source, missing = "guessed from names and units", ""
     if choice:
         source = "as chosen before" if choice.headers else "as chosen"
+    elif all(pick.name.startswith("#") for pick in picks):
+        source = "without names guessed from their numbers"
     for reason in dict.fromkeys(left_out.values()):
         columns = ", ".join(shown(name) for name, why in left_out.items() if why == reason)
         missing += f"; left out, {reason}: {columns}"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis.moved_zero import on_one_zero, zero_moved
+from fieldkit.analysis.moved_zero import on_one_zero, without_start_up, zero_moved
 from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median, running_median_over, stretches
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
@@ -159,6 +159,7 @@ def all_heights(clocks: Sequence[Series]) -> Iterator[Heights]:
             time, values = _usable(series.time, _without_held(series.time, values, name))
             time, values = _thinned(time, values, name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
+            height = without_start_up(time, height, _resolution(height))
             found = _despiked(time, height, name)
             if found is not None:
                 yield found

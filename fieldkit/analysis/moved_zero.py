@@ -1,4 +1,4 @@
-"""A logger that moves the zero of its altitudes in flight, as its own pressures or a step show.
+"""A logger that moves the zero of its altitudes, as its own pressures or a step show, or whose first ones have none.
 
 Derivation: a level has one pressure, so altitudes from pressure and those above the pad differ by the pad's height. A
 logger that sets its zero when it notices the flight has a step there that no rocket flies, and comes to rest as far
@@ -18,6 +18,9 @@ _SAMPLES = 12
 """Fewest samples that show a level. [1]"""
 _STEP_SPEED, _AT_REST = 700.0, 5.0
 """Speed that no such rocket has [m/s], and largest range of heights at rest [m]."""
+_START_UP, _MANY_STEPS, _REST_TIME = 20.0, 10, 1.0
+"""Smallest jump after a sensor began to work [m], also in steps of its resolution, which differ tenfold in pressures of
+few digits [1], and how long the log has to rest after it [s]."""
 _CURVE = 8
 """Number of samples before and after a step through which a curve shows its size. [1]"""
 _LEVELS, _TERRAIN, _EXPLAINED = 0.1, 20.0, 0.5
@@ -44,6 +47,20 @@ def on_one_zero(time: Float[Array, "row"], height: Float[Array, "row"]) -> Float
     curve = np.column_stack([np.vander(since, 4), np.arange(around.size) >= _CURVE])  # one curve, and a step in it
     step = float(np.linalg.lstsq(curve, high[around], rcond=None)[0][-1])
     return np.where(np.arange(height.size) <= known[last], height + step, height)
+
+
+def without_start_up(time: Float[Array, "row"], height: Float[Array, "row"], resolution: float) -> Float[Array, "row"]:
+    """Heights without the value that a sensor returned before it worked, a receiver without a fix, or a filter before
+    its first reading: a log begins with it and jumps from it to a level at rest. [s], [m]"""
+    changes = np.flatnonzero(np.diff(height) != 0)
+    first = int(changes[0]) + 1 if changes.size else 0
+    until = max(first + _SAMPLES, int(np.searchsorted(time, time[first] + _REST_TIME)))
+    if not first or until >= height.size:
+        return height
+    rest = height[first:until]
+    jump = abs(float(np.median(rest)) - float(height[0]))
+    moves = jump > max(_START_UP, _MANY_STEPS * resolution) and float(np.ptp(rest)) < jump / 10
+    return np.where(np.arange(height.size) < first, np.nan, height) if moves else height
 
 
 def zero_moved(series: Series) -> bool:

@@ -22,6 +22,7 @@ from fieldkit.importing.tables.other_shapes import reshaped
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import MAX_TABLE_SIZE, in_other_encodings, shown
 from fieldkit.importing.tables.tracks import track_table
+from fieldkit.importing.tables.unnamed import offered_mapping
 from fieldkit.importing.tables.wrapped_lines import unstamped, unwrapped
 from fieldkit.importing.weather import is_weather
 from fieldkit.messages import with_words
@@ -33,6 +34,9 @@ MOST_LACKING = 4
 """Largest number of signs of a format, or of sheets of a spreadsheet, that a message lists. [1]"""
 _OLD_WORKBOOK = bytes.fromhex("d0cf11e0a1b11ae1")
 """What a compound file of Microsoft begins with."""
+
+_COMPRESSED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xaf": "7z", b"Rar!": "rar"}
+"""What a compressed file begins with, and its kind."""
 
 
 def parsers() -> Mapping[str, Parser]:
@@ -139,6 +143,8 @@ def _hint(log: bytes) -> str:
         return f"; it is an archive{_archive_advice(log)}"
     if log.startswith(_OLD_WORKBOOK):
         return "; it is a workbook of an old Excel (.xls); save it as .xlsx or CSV"
+    if packed := next((name for magic, name in _COMPRESSED.items() if log.startswith(magic)), ""):
+        return f"; it is compressed ({packed}); unpack it first"
     start = log[:HEAD]
     if is_weather(start):
         return "; it is saved weather, which `fieldkit weather FILE` fills in"
@@ -146,6 +152,10 @@ def _hint(log: bytes) -> str:
         return f"; tracks, JSON and labeled lines of more than {MAX_TABLE_SIZE >> 20} MB are not read: cut it"
     if start.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"<"):
         return "; it is XML, such as a track for maps; export a table (CSV) instead"
+    if offered := offered_mapping(log):
+        return "; its columns have no names, by their numbers it is read with " + " ".join(
+            f"--map '{one}'" for one in offered
+        )
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         time, height, motor = ("#1", "#2", "#3") if _is_without_names(start) else ("its column",) * 3
         samples = f"a table of samples is read with --map 'time={time}' --map 'altitude={height} [m]'"
@@ -298,7 +308,8 @@ def _why(parser: Parser, log: bytes, found: Sequence[Parsed], format: str | None
     if any(isinstance(item, Mapped) and item.choice.channels for item in found):
         return "its columns were mapped"
     if parser.fallback:
-        return "no logger's parser recognizes it, and its columns have the names of a table of samples"
+        shown_by = "numbers" if _is_without_names(log[:HEAD]) else "names"
+        return f"no logger's parser recognizes it, and its columns have the {shown_by} of a table of samples"
     like = likeness(parser, log)
     signs = ", ".join(map(repr, like.found[:MOST_LACKING]))
     return f"it has {signs}" if signs else "it has the structure of this format"

@@ -15,7 +15,7 @@ from fieldkit.analysis import NO_FLIGHT, Recorded, measure
 from fieldkit.analysis.channels import Heights, Push, heights
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.liftoff import liftoff
-from fieldkit.analysis.moved_zero import on_one_zero
+from fieldkit.analysis.moved_zero import on_one_zero, without_start_up
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.possible import known_well, possible, widened_by_contradictions
 from fieldkit.analysis.records import Figure
@@ -733,3 +733,22 @@ def test_a_step_that_leaves_the_levels_at_rest_as_they_were_sets_no_zero() -> No
     zeroed = np.where(time < 5.5, height + 40.0, height)
     assert np.ptp(on_one_zero(time, zeroed)[time < 5.0]) < 1e-6
     assert on_one_zero(time, zeroed)[0] == pytest.approx(0.0, abs=1.0)
+
+
+@pytest.mark.parametrize("name", ["altitude_msl", "gps_altitude_msl"])
+@pytest.mark.parametrize("count", [1, 5, 30])
+@pytest.mark.parametrize("value", [0.0, 44_000.0])
+def test_what_a_sensor_returns_before_it_works_is_no_pad(name: str, count: int, value: float) -> None:
+    """A receiver without a fix writes zero, then heights above the sea."""
+    truth = flown(SMALL)
+    series, *_ = recording(truth)
+    assert series.altitude is not None
+    heights_above_sea = np.where(np.arange(series.time.size) < count, value, series.altitude + 310.0)
+    recorded = measure((replace(series, altitude=None, **{name: heights_above_sea}),))
+    assert not misses(recorded, truth, "apogee", "time_to_apogee", sds=4.0)
+
+
+def test_heights_that_a_coarse_sensor_holds_are_not_what_it_returns_before_it_works() -> None:
+    time = np.arange(0.0, 20.0, 0.05)
+    drifts = np.where(time < 3.0, 0.0, 40.0) + 40.0 * np.floor(np.interp(time, [8.0, 12.0, 18.0], [0.0, 5.0, 0.0]))
+    np.testing.assert_array_equal(without_start_up(time, drifts, 40.0), drifts)

@@ -351,12 +351,40 @@ def test_a_height_that_does_not_start_at_zero_is_not_above_the_pad() -> None:
     assert "it does not start at zero" in line
 
 
-def test_a_table_without_names_is_mapped_by_number() -> None:
-    log = table("x", "{t:.2f},{h:.2f}").split(b"\n", 1)[1]
-    with pytest.raises(UnknownFormat, match=r"--map 'time=#1' --map 'altitude=#2"):
-        read(log, "bare.csv", any_motor)
-    (series,), _ = found(log, read_choice(["time=#1 [s]", "altitude=#2 [m]"]))
+def unnamed(row: str) -> bytes:
+    """The table of that flight without its line of names."""
+    return table("x", row).split(b"\n", 1)[1]
+
+
+@pytest.mark.parametrize("row", ["{ms:.0f},{ft:.0f}", "{t:.2f};{h:.1f}", "{t:.6e} {h:.6e}"])
+def test_two_columns_without_names_are_a_clock_and_heights_or_pressures(row: str) -> None:
+    imported = read(unnamed(row), "bare.csv", any_motor)
+    (recorded,) = imported.recorded
+    assert recorded is not None
+    assert recorded.figures["apogee"].value == pytest.approx(285.0, abs=2.0)
+    assert any("without names guessed from their numbers" in str(note) for note in imported.notes)
+
+
+@pytest.mark.parametrize(
+    ("row", "mapping"),
+    [
+        ("{ms:.0f},{p:.0f},{h:.2f},24.1", ["time=#1 [ms]", "altitude=#3 [m]"]),
+        ("$LOG,{t:.2f},{ft:.1f},3,9.1*5A", ["time=#2 [s]", "altitude=#3 [ft]"]),
+        ("{ms:.0f},24.1,{p:.0f}", ["time=#1 [ms]", "pressure=#3 [pa]"]),
+    ],
+)
+def test_the_mapping_of_a_table_without_names_is_offered(row: str, mapping: list[str]) -> None:
+    with pytest.raises(UnknownFormat) as refused:
+        read(unnamed(row), "bare.csv", any_motor)
+    assert " ".join(f"--map '{one}'" for one in mapping) in str(refused.value)
+    (series,), _ = found(unnamed(row), read_choice(mapping))
     assert len(series.time) == 600
+
+
+def test_two_columns_without_names_that_are_no_flight_are_refused() -> None:
+    rows = "".join(f"{60 * i},{21 + math.sin(i / 50):.2f}\n" for i in range(600))
+    with pytest.raises(DamagedLog, match="found no unit, and nothing that implies one"):
+        read(rows.encode(), "bare.csv", any_motor)
 
 
 @pytest.mark.parametrize(
@@ -426,13 +454,13 @@ def test_a_mapping_of_a_table_without_names_is_remembered_by_the_form_of_its_row
     home: Path, tmp_path: Path, run: Run
 ) -> None:
     logs = [tmp_path / f"{name}.csv" for name in ("first", "later", "of_another_logger")]
-    for log, row in zip(logs, ("{t:.2f},{ft:.0f}", "{t:.2f},{ft:.0f}", "{t:.3f},{h:.1f}"), strict=True):
+    for log, row in zip(logs, ("{t:.2f},7,{ft:.0f}", "{t:.2f},7,{ft:.0f}", "{t:.3f},7,{h:.1f}"), strict=True):
         log.write_bytes(table("x", row).split(b"\n", 1)[1])
-    logs[1].write_bytes(logs[1].read_bytes() + b"30.00,0\n")
-    run("import", logs[0], "--map", "time=#1 [s]", "--map", "altitude=#2 [ft]")
-    assert "columns as chosen before: time = '#1' in s, altitude = '#2' in ft" in run("import", logs[1]).err
+    logs[1].write_bytes(logs[1].read_bytes() + b"30.00,7,0\n")
+    run("import", logs[0], "--map", "time=#1 [s]", "--map", "altitude=#3 [ft]")
+    assert "columns as chosen before: time = '#1' in s, altitude = '#3' in ft" in run("import", logs[1]).err
     assert "no parser recognizes" in run("import", logs[2], status=1).err
-    assert columns_of(remembered()[0]).names == ("#1", "#2")  # as `--map` and the form spell them
+    assert columns_of(remembered()[0]).names == ("#1", "#2", "#3")  # as `--map` and the form spell them
 
 
 def test_a_mapping_is_refused_for_a_log_that_needs_none(run: Run, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Tables of samples with the columns that loggers, apps, spreadsheets and people give them, each of a known flight."""
 
+import gzip
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -296,3 +297,45 @@ def test_a_height_downward_in_meters_is_not_in_decimeters() -> None:
     assert apogee(table("time_s,pos_n_m,pos_e_m,pos_d_m", TIME, 0.1 * TIME, 0.2 * TIME, -SEEN)) == pytest.approx(
         APOGEE, rel=0.01
     )
+
+
+def test_a_position_of_one_axis_that_points_down_is_a_height() -> None:
+    assert apogee(table("t,posD,velD", TIME, -SEEN, -SPEED)) == pytest.approx(APOGEE, rel=0.01)
+
+
+def test_seconds_and_nanoseconds_of_a_stamp_are_a_clock() -> None:
+    whole, rest = np.divmod(TIME + 1.75e9, 1.0)
+    stamps = text(whole, "{:.0f}"), text(1e9 * rest, "{:.0f}")
+    assert apogee(table("header.stamp.secs,header.stamp.nsecs,altitude", *stamps, SEEN)) == pytest.approx(
+        APOGEE, rel=0.01
+    )
+
+
+def test_two_barometers_without_units_that_differ_by_their_calibration_are_one() -> None:
+    log = table("time_ms,ms5611_pressure,bmp390_pressure", 1000 * TIME, PRESSURE, PRESSURE + 60)
+    assert apogee(log) == pytest.approx(APOGEE, rel=0.03)
+
+
+def test_names_that_a_spreadsheet_took_for_another_encoding_are_read() -> None:
+    names = "Zeit [s];Höhe [m];Beschleunigung [m/s²]".encode().decode("cp1252")
+    log = table(names, TIME, SEEN, GRAVITY * FELT, separator=";")
+    assert apogee(log) == pytest.approx(APOGEE, rel=0.01)
+
+
+@pytest.mark.parametrize("form", ["np.float64({})", '="{}"', '"=""{}"""'])
+def test_numbers_are_read_from_what_programs_write_around_them(form: str) -> None:
+    columns = [[form.format(f"{one:.3f}") for one in column] for column in (TIME, SEEN)]
+    assert apogee(table("time (s),altitude (m)", *columns)) == pytest.approx(APOGEE, rel=0.01)
+    records = "".join(f"{{'t': {time}, 'alt': {height}}}\n" for time, height in zip(*columns, strict=True))
+    assert form != "np.float64({})" or apogee(records.encode()) == pytest.approx(APOGEE, rel=0.01)
+
+
+def test_a_compressed_log_is_called_so() -> None:
+    with pytest.raises(UnknownFormat, match=r"log\.csv: .*it is compressed \(gzip\); unpack it first"):
+        opened(gzip.compress(table("time (s),altitude (m)", TIME, SEEN)))
+
+
+def test_zeros_of_a_receiver_before_its_fix_are_no_pad() -> None:
+    heights = np.where(TIME < -1.5, 0.0, SEEN + PAD)
+    position = text(np.where(TIME < -1.5, 0.0, 47.1), "{:.1f}"), text(np.where(TIME < -1.5, 0.0, 8.2), "{:.1f}")
+    assert apogee(table("millis,Lat,Lon,Alt (m)", 1000 * TIME, *position, heights)) == pytest.approx(APOGEE, rel=0.02)

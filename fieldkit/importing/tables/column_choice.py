@@ -57,6 +57,8 @@ _LONGEST_INTERVAL = 20.0
 """Time between rows that no log of a flight has. [s]"""
 _MUCH = 0.2
 """A sensor that stays constant while another changes by this fraction of its range has failed. [1]"""
+_MUCH_FURTHER = 3.0
+"""How many times farther than above its start a pressure goes below it in a flight. [1]"""
 _CLIPPED_FROM, _LEAST_CLIPPED = 0.995, 4
 """Fraction of its highest value within which an accelerometer is at the end of its range, and number of such rows that
 show it. [1]"""
@@ -65,8 +67,8 @@ _RISES = 0.9
 _HOUR = 3600.0
 LIMIT = 1e12
 """Largest magnitude of a sample; anything beyond is damaged. [any unit except of time]"""
-
-
+UNNAMED = ("time", "altitude")
+"""What the columns of a table without names are if there are two."""
 NO_COLUMN = -1
 """Index of a clock that is the number of each row."""
 _COUNTERS = frozenset(
@@ -120,6 +122,8 @@ def _is_same_clock(one: Heading, other: Heading) -> bool:
 def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]:
     """The columns, or those among `columns`, whose names identify their channel; a clock and a pressure also by their
     contents or unit."""
+    if not layout.named:
+        return _unnamed(layout)
     heads = [heading(name) for name in layout.headers]
     picks = []
     for place, head in enumerate(heads):
@@ -141,6 +145,14 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
     if layout.interval and layout.named and "time" not in {pick.channel for pick in picks}:
         picks.append(_row_clock(layout, layout.interval))
     return picks
+
+
+def _unnamed(layout: Layout) -> list[Pick]:
+    """Two columns without names as a clock and heights, whose units physics has to show; more may be anything."""
+    if len(layout.headers) != len(UNNAMED):
+        return []
+    picks = [Pick(name, i, layout.headers[i], layout.suffix(i)) for i, name in enumerate(UNNAMED)]
+    return [replace(pick, unit=_clock_unit(pick.channel, pick.unit, layout, pick.place)) for pick in picks]
 
 
 def _with_axes(picks: Sequence[Pick]) -> list[Pick]:
@@ -333,9 +345,12 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     values: dict[str, Float[Array, "row"]] = {}
     columns = {pick.place: _column(pick, table) for pick in picks}
     for place, pick in enumerate(picks := list(picks)):
-        if pick.channel in HEIGHTS and points_down(heading(pick.name), columns[pick.place]):
-            columns[pick.place] = -columns[pick.place]
+        column = columns[pick.place]
+        if pick.channel in HEIGHTS and points_down(heading(pick.name), column):
+            columns[pick.place] = -column
             picks[place] = replace(pick, name=f"-{pick.name}")
+        elif pick.channel == "altitude" and pick.name.startswith("#") and not pick.chosen and falls_first(column):
+            picks[place] = replace(pick, channel="pressure")
     picks = _with_satellite_height([pick for pick in picks if not np.isnan(columns[pick.place]).all()], columns)
     picks = _with_wider_range(picks, columns)
     moving = {pick.channel for pick in picks if not _is_stuck(columns[pick.place])}
@@ -376,6 +391,15 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected at least one")
     return kept, values
+
+
+def falls_first(values: Float[Array, "row"]) -> bool:
+    """Whether values, in any unit, go down in a flight and come back, as pressures do. [Pa]"""
+    there = values[np.isfinite(values)]
+    if not there.size:
+        return False
+    start = float(np.median(there[:_START_SAMPLES]))
+    return start - float(there.min()) > _MUCH_FURTHER * max(float(there.max()) - start, 0.0)
 
 
 def _with_wider_range(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
@@ -462,15 +486,17 @@ def _differ_in_zero(one: Pick, values: Float[Array, "row"], other: Pick, others:
 
 
 def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
-    """Whether two columns agree in the units they state, or one is a copy of the other."""
+    """Whether two columns agree in the units they state, or without any in their numbers, or one is a copy."""
     if one.unit == other.unit and np.array_equal(values, others, equal_nan=True):
         return True
     units = [unit_named(QUANTITIES[pick.channel.rstrip("?")], pick.unit) for pick in (one, other)]
-    if units[0] is None or units[1] is None:
+    if units[0] is not None and units[1] is not None:
+        values, others = to_si(units[0], values), to_si(units[1], others)
+    elif one.unit != other.unit:
         return False
-    differences = np.abs(to_si(units[0], values) - to_si(units[1], others))
+    differences = np.abs(values - others)
     differences = differences[np.isfinite(differences)]
-    reach = np.nanmax(np.abs(to_si(units[0], values)), initial=0.0)
+    reach = np.nanmax(np.abs(values), initial=0.0)
     return len(differences) > 0 and float(np.percentile(differences, 90)) <= 0.02 * reach
 
 

@@ -114,13 +114,23 @@ _QUOTIENT = re.compile(r"([^/]{1,40}?)\s?/\s?(\([^()]{1,12}\)|[^\s()]{1,12})")
 
 def heading(spelled: str) -> Heading:
     """Split a header: `Alt (ft)` is the word `alt` and the unit `ft`."""
-    spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
+    spelled = _decoded("".join(char for char in spelled if unicodedata.category(char) != "Cf").strip())
     name, unit = _divided(spelled) or _bracketed(spelled) or (spelled, _unknown_unit(spelled))
     name = _G_FORCE.sub("gforce", _NEW_WORD.sub(" ", name))
     words = re.findall(r"[^\W_]+(?:'s)?|/", folded(name))
     return Heading(
         spelled, tuple(word[:-1] if word[:-1] in _NUMBERED and word[-1].isdecimal() else word for word in words), unit
     )
+
+
+def _decoded(text: str) -> str:
+    """A name whose UTF-8 a spreadsheet took for Windows-1252 and saved: `Höhe` instead of `HÃ¶he`."""
+    if "Ã" not in text and "Â" not in text:
+        return text
+    try:
+        return text.encode("cp1252").decode()
+    except UnicodeError:
+        return text
 
 
 def _divided(spelled: str) -> tuple[str, str] | None:

@@ -271,15 +271,26 @@ def runs_like_a_log(head: bytes) -> bool:
     except DamagedLog:
         return False
     clocks = [place for place, name in enumerate(layout.headers) if channel(heading(name)) == "time"]
-    if not layout.named or not clocks:
-        return False
-    lines = head.decode(encoding_of(head[:2]), "replace").splitlines()[layout.above : layout.above + _CLOCK_ROWS]
+    return layout.named and bool(clocks) and is_even_clock(head, layout, clocks[0])
+
+
+def is_even_clock(head: bytes, layout: Layout, place: int) -> bool:
+    """Whether the numbers of a column at the beginning of a table increase in even steps from row to row."""
+    return bool(clock_steps(head, layout, place))
+
+
+def clock_steps(head: bytes, layout: Layout, place: int) -> list[float]:
+    """The steps of a column at the beginning of a table if its numbers increase evenly from row to row, sorted and in
+    its unit; empty if they do not."""
+    text = head.decode(encoding_of(head[:2]), "replace").splitlines()
+    lines = text[layout.above : layout.above + _CLOCK_ROWS]
     cells = [split(line, layout.separator) for line in lines if line.strip()][:-1]
-    times = [row[clocks[0]].replace(layout.decimal, ".") for row in cells if len(row) > clocks[0]]
-    plain = (re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?)\s*", cell) for cell in times)
+    times = [row[place].replace(layout.decimal, ".") for row in cells if len(row) > place]
+    plain = (re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d{1,3})?)\s*", cell) for cell in times)
     numbers = [float(one[1]) for one in plain if one]
     steps = sorted(after - before for before, after in pairwise(numbers))
     if len(steps) < _LEAST_CLOCK_STEPS or steps[0] <= 0:
-        return False
+        return []
     middle = steps[len(steps) // 2]
-    return sum(middle / 2 <= step <= 2 * middle for step in steps) > _EVEN_FRACTION * len(steps)
+    even = sum(middle / 2 <= step <= 2 * middle for step in steps)
+    return steps if even > _EVEN_FRACTION * len(steps) else []

@@ -14,6 +14,8 @@ from fieldkit.units import is_unit
 
 _BESIDE_AXIS = frozenset({"pos", "position", "p", "loc", "local", "ned", "enu", "state", "m", "ft"})
 """Words beside the name of an axis."""
+_POSITION = frozenset({"pos", "position"})
+"""Words of a position."""
 _OTHER_AXES = (({"x"}, {"y"}), ({"n", "north"}, {"e", "east"}))
 """Names of the other two axes."""
 _THIRD_AXES = (frozenset({"z"}), frozenset({"d", "down", "u", "up"}))
@@ -34,13 +36,15 @@ def _axis(head: Heading) -> str:
 
 
 def third_axis(heads: Mapping[int, Heading]) -> int | None:
-    """The column of the third axis of a position whose other two axes are columns too; None if there is none."""
+    """The column of the third axis of a position whose other two axes are columns too, or of the only axis of one that
+    says which way it points, `posD`; None if there is none."""
     axes = {axis: place for place, head in heads.items() if (axis := _axis(head))}
     for (first, second), third in zip(_OTHER_AXES, _THIRD_AXES, strict=True):
         found = axes.keys() & third
         if axes.keys() & first and axes.keys() & second and len(found) == 1:
             return axes[found.pop()]
-    return None
+    named = {place for axis, place in axes.items() if axis in _THIRD_AXES[1] and set(heads[place].words) & _POSITION}
+    return named.pop() if len(named) == 1 else None
 
 
 def is_elevation(head: Heading) -> bool:

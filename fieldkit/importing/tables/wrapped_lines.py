@@ -1,4 +1,5 @@
-"""Lines that another program wrapped: `> ` or a time before each line, or each in quotation marks or parentheses."""
+"""Lines that another program wrapped: `> ` or a time before each line, or each in quotation marks or parentheses, or
+each number in the name of its type."""
 
 import io
 import re
@@ -21,6 +22,8 @@ _STAMPED = re.compile(
 )
 """The time of day that the monitor of the Arduino IDE or a terminal puts before each line, or the milliseconds of the
 ESP32's logging library."""
+_PRINTED = re.compile(rb'np\.(?:float|int|uint)\d{1,3}\(([^()\r\n]{1,40})\)|(?<![\w ])"?="{1,2}([^"\r\n]{1,40})"{1,3}')
+"""A number as NumPy prints it, `np.float64(1.2)`, and as the formula of a sheet that keeps its digits, `="1.2"`."""
 _QUOTATION = re.compile(rb'^"((?:[^"\r]|"")*+)"[,; \t]*(?=\r?$)')
 
 
@@ -30,6 +33,9 @@ def unwrapped(log: bytes) -> bytes:
     start = [line[:_MAX_LINE] for line in first_lines(log, most=_LOOKED_AT) if line.strip()]
     if len(log) > MAX_TABLE_SIZE or len(start) < 2:
         return log
+    if all(_PRINTED.search(line.encode()) for line in start[1:]):
+        log = _each_line(log, lambda line: _PRINTED.sub(lambda found: found[1] or found[2], line))
+        start = [line[:_MAX_LINE] for line in first_lines(log, most=_LOOKED_AT) if line.strip()]
     if all(map(_CITED.match, start)):
         return _each_line(log, lambda line: _CITATION.sub(b"", line))
     if sum(map(bool, map(_COUNTDOWN.match, start))) > _MOST_COUNTDOWNS * len(start):
