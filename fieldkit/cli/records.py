@@ -226,7 +226,7 @@ def edit(
     Lark rocket=Comet renames a rocket, and the correction of the loop goes with it; a flight whose id the other rocket
     has gets its next free number.
     """
-    from fieldkit.services.renaming import renaming
+    from fieldkit.services.renaming import edit_flights
 
     changes = changes or []
     options = {name: text for name, text in given.items() if text is not None}
@@ -240,23 +240,19 @@ def edit(
     motors = MotorCheck()
     with open_ledger(context) as ledger:
         before = [ledger.flight(id) for id in ledger.ids_meant([flight, *more])]
-        changed = [_changed(ledger, motors, one, settings) for one in before]
-        _note_unknown_names(ledger, before, changed)
-        change = renaming(ledger, before, changed)
-        own = change.changes
-        what = f"({', '.join(dict.fromkeys(chain(*own)))})"
-        done = ledger.edit_each(dict(zip(ledger.ids(before), own, strict=True)), "edit", what, change.corrections)
-        after = [one.with_changes(**values) for one, values in zip(before, own, strict=True)]
-        for note in change.notes:
+        own = [_changed(ledger, motors, one, settings) for one in before]
+        _note_unknown_names(ledger, before, own)
+        done = edit_flights(ledger, before, own)
+        for note in done.notes:
             complain(f"note: {note}")
-        names = [flight_label(id) for id in ledger.ids(after)]
+        names = [flight_label(id) for id in ledger.ids(done.flights)]
         if {*BY_NAME, "motor"} & set(chain(*own)):
-            _remark_changes(ledger, motors, before, after)
+            _remark_changes(ledger, motors, before, done.flights)
     if LIFT_OFF in settings:
-        for one in after:
+        for one in done.flights:
             note_dry_mass(one)
-    named = names[0] if len(names) == 1 else counted(done or len(names), "flight")
-    say(f"Changed {named}. `fieldkit undo` to undo." if done else f"{named[0].upper()}{named[1:]} unchanged")
+    named = names[0] if len(names) == 1 else counted(done.count or len(names), "flight")
+    say(f"Changed {named}. `fieldkit undo` to undo." if done.count else f"{named[0].upper()}{named[1:]} unchanged")
 
 
 takes_flight(edit, hidden=True)

@@ -32,6 +32,7 @@ from fieldkit.flight.readout import beside
 from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.messages import TextWithAmounts, marked, message
+from fieldkit.motors.names import in_capitals
 
 MONTH_FIRST = "month/day"
 """The `unit` of a date in which `5/1/2026` is May 1st."""
@@ -126,6 +127,8 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
         return check_name(text)
     if name in JUDGED_COLUMNS:
         return _judged(name, "" if text == NOT_RECORDED else text)
+    if name == "motor":
+        return in_capitals(text)
     if name != "date_time":
         return text
     return date_of(text, False if unit == MONTH_FIRST else None) or read_date(_day_in_words(text))

@@ -58,6 +58,12 @@ _CLUSTER = re.compile(
 _COUNT_LAST = re.compile(rf"(?<![\w./-])(\d*{_ONE_MOTOR})\s*\(?[X×*]\s*([2-9]|1[0-2])\)?$", re.IGNORECASE)
 
 
+_WORD = re.compile(r"(?<!\S)(?<!lot )\S+", re.IGNORECASE)
+"""A word that is not the number of a lot."""
+_MAKER_IN_WORDS = re.compile(
+    rf"(?<![\w-])(?:{'|'.join(sorted((re.escape(maker) for maker in MAKERS), key=len, reverse=True))})(?![\w-])",
+    re.IGNORECASE,
+)
 _NEW_PROPELLANTS = ("NT", "NW")
 """AeroTech's New Blue Thunder and new White Lightning."""
 
@@ -94,6 +100,15 @@ def squeeze(text: str) -> str:
 def maker_of(text: str) -> str:
     """The maker that a text names, in the catalog's spelling; an unknown name is returned unchanged."""
     return _MAKER_OF.get(tidy(text), text.strip())
+
+
+def in_capitals(text: str) -> str:
+    """A motor's name with class, thrust and propellant in capitals and the maker as in the catalog: `AeroTech F24W-4` for
+    `aerotech f24w-4`. Other words, such as the name of a propellant or a lot, are unchanged."""
+    if len(text) > MAX_NAME:
+        return text
+    named = _MAKER_IN_WORDS.sub(lambda maker: _MAKER_OF[maker[0].upper()], text)
+    return _WORD.sub(lambda word: word[0].upper() if parse(word[0]).core else word[0], named)
 
 
 def is_cluster(text: str) -> bool:

@@ -1,8 +1,8 @@
-"""Flights that move to another rocket, because it is renamed or merged with another one."""
+"""Changes of flights, and what follows for flights that move to another rocket, because it is renamed or merged."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
 from fieldkit.errors import BadValue
@@ -53,9 +53,30 @@ def renaming(ledger: Ledger, flights: Sequence[Flight], changes: Sequence[Mappin
             found.corrections[rocket] = replace(version, payload=_with_ids(version.payload, ids))
             if here:
                 found.notes.append(
-                    f"the correction of {old} is now used for every flight of {rocket}; `fieldkit loop` checks it"
+                    f"the correction of {old} is now used for every flight of {rocket}; the loop checks it"
                 )
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class Edited:
+    """How many flights a change has changed, all of them after it, and notes for the flyer."""
+
+    count: int
+    flights: list[Flight]
+    notes: list[str]
+
+
+def edit_flights(ledger: Ledger, flights: Sequence[Flight], changes: Sequence[Mapping[str, object]]) -> Edited:
+    """Change each flight as one change of the ledger, with what follows from a renamed rocket; see `renaming`.
+
+    Raises LedgerError if another flight has a new name, BadValue.
+    """
+    found = renaming(ledger, flights, changes)
+    after = [flight.with_changes(**own) for flight, own in zip(flights, found.changes, strict=True)]
+    own = dict(zip(ledger.ids(flights), found.changes, strict=True))
+    what = f"({', '.join(dict.fromkeys(chain(*found.changes)))})"
+    return Edited(ledger.edit_each(own, "edit", what, found.corrections), after, found.notes)
 
 
 def _with_ids(payload: Mapping[str, Any], ids: Mapping[str, str]) -> Mapping[str, Any]:

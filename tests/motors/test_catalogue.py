@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
+from fieldkit.importing.manual_entry import read_answer
 from fieldkit.motors import PLUGGED_DELAY, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
+from fieldkit.motors.names import in_capitals
 from fieldkit.planning.delay import drill_of, offered
 from tests.commands import Run
 from tests.effort import examples
@@ -412,3 +414,24 @@ def test_motors_with_only_similar_names_are_listed_as_such(run: Run) -> None:
         printed = run("motors", "J9999", *strict, status=1)
         assert not printed.out
         assert "did you mean AeroTech J99N, AeroTech J1799N" in printed.err
+
+
+@pytest.mark.parametrize(
+    ("typed", "written"),
+    [
+        ("f24w-4", "F24W-4"),
+        ("aerotech f24-4w", "AeroTech F24-4W"),
+        ("3 x c6-5", "3 x C6-5"),
+        ("d12-5 lot ab12", "D12-5 lot ab12"),
+        ("1/2a3-2t", "1/2A3-2T"),
+        ("f24 white lightning", "F24 white lightning"),
+        ("Kosdon by AeroTech K550W-P", "Kosdon by AeroTech K550W-P"),
+    ],
+)
+def test_a_name_typed_in_small_letters_is_written_as_on_the_motor(typed: str, written: str) -> None:
+    assert read_answer("motor", typed) == written
+
+
+def test_no_name_in_the_catalog_is_written_otherwise() -> None:
+    names = [f"{motor.maker} {motor.designation}" for motor in catalogue().search("")]
+    assert [in_capitals(name) for name in names] == names

@@ -101,6 +101,37 @@ async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file:
         assert "Saved flight 12: motor" in words(pilot)
 
 
+async def test_a_motor_typed_in_small_letters_is_shown_as_on_the_motor(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "e", *["down"] * 2, "ctrl+u")
+        await hurry(pilot, *"aerotech f24w-4", "ctrl+s", "_")
+        assert "12 · Astra B · AeroTech F24W-4" in words(pilot)
+
+
+RENAMED = {"averaged": [{"probability": 1.0, "places": [{"effect": "wind", "since": "2"}]}]}
+
+
+async def test_the_correction_of_a_rocket_goes_with_it_when_a_form_renames_it(file: Path) -> None:
+    another_rocket(file, "Cat", datetime(2026, 9, 1))
+    with Ledger.open(file) as ledger:
+        ledger.keep_version("Cat", RENAMED)
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right", "enter", "ctrl+u", *typed("Lion"), "ctrl+s", "_")
+        assert in_use(file, "Cat", "Lion") == [None, RENAMED]
+        await press(pilot, "u", "_")
+        assert in_use(file, "Cat", "Lion") == [RENAMED, None]
+        await press(pilot, "1", "_", "enter", "_", "e", "_", "ctrl+u", *typed("Astra"), "ctrl+s", "_")
+        assert "the correction of Cat is now used for every flight of Astra; the loop checks it" in words(pilot)
+    assert in_use(file, "Cat", "Astra")[0] is None
+
+
+def in_use(file: Path, *rockets: str) -> list[object]:
+    """The correction in use of each of some rockets."""
+    with Ledger.open(file) as ledger:
+        found = [ledger.active_version(rocket) for rocket in rockets]
+    return [version.payload if version else None for version in found]
+
+
 async def test_a_flight_that_is_redone_leaves_no_draft_behind(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("200"), "ctrl+s", "_", "u", "_")

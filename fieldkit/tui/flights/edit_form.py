@@ -8,6 +8,7 @@ from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.importing.manual_entry import JUDGED_QUESTIONS, QUESTIONS, Question, date_order, with_cells
 from fieldkit.quantities import unit_of
+from fieldkit.services.renaming import edit_flights
 from fieldkit.tui.add.add_form import DATE
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
@@ -43,21 +44,23 @@ def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[st
             return
         titles = ", ".join(question.title.lower() for question in EDIT_QUESTIONS if question.name in changes)
 
-        def saved(now: str) -> None:
+        def saved(done: tuple[str, list[str]]) -> None:
+            now, notes = done
             renamed(now)
-            page.show_change(f"Saved {flight_label(now)}: {titles}. u to undo")
+            page.show_change("; ".join([f"Saved {flight_label(now)}: {titles}", *notes]) + ". u to undo")
 
-        page.change(partial(_save, page.resources, id, flight, changes), saved)
+        page.change(partial(_save, page.resources, flight, changes), saved)
 
     page.ask_form(form, answered)
 
 
-def _save(resources: Resources, id: str, flight: Flight, changes: dict[str, object]) -> str:
-    """Change a flight; returns its id now. Raises BadValue for an unknown motor."""
+def _save(resources: Resources, flight: Flight, changes: dict[str, object]) -> tuple[str, list[str]]:
+    """Change a flight; returns its id now, and notes. Raises BadValue for an unknown motor."""
     motor = str(changes.get("motor", ""))
     if motor and (trouble := resources.names().motor_trouble(motor)):
         raise BadValue(f"motor: {trouble}")
     judged = {one.name: str(changes.pop(one.name)) for one in JUDGED_QUESTIONS if one.name in changes}
     if judged:
         changes["extra"] = with_cells(flight.extra, judged)
-    return resources.ledger.ids([resources.ledger.edit(id, **changes)])[0]
+    done = edit_flights(resources.ledger, [flight], [changes])
+    return resources.ledger.ids(done.flights)[0], done.notes

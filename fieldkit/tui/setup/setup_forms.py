@@ -11,6 +11,7 @@ from fieldkit.motors import Motor
 from fieldkit.motors.own import import_file
 from fieldkit.paths import expanded, motor_folder
 from fieldkit.quantities import counted, measure, unit_of
+from fieldkit.services.renaming import Edited, edit_flights
 from fieldkit.services.sites import SITES, keep_site, with_site
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
@@ -44,9 +45,13 @@ def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: s
 def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], values: dict[str, object]) -> None:
     system = page.resources.settings.units
     changes = {name: value for name, value in values.items() if not same(name, value, texts[name], system)}
+
+    def work() -> Edited:
+        ledger = page.resources.ledger
+        return edit_flights(ledger, [ledger.flight(id) for id in group.ids], [changes] * len(group.ids))
+
     if changes:
-        work = partial(page.resources.ledger.edit_all, group.ids, what, **changes)
-        page.change(work, partial(_changed, page, what))
+        page.change(work, lambda done: _changed(page, what, done.count, done.notes))
 
 
 def add_site(page: PageScreen) -> None:
@@ -95,8 +100,9 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
         page.change(work, partial(_changed, page, was.name))
 
 
-def _changed(page: PageScreen, what: str, count: int) -> None:
-    page.show_change(f"Saved {what}: {counted(count, 'flight')}. u to undo" if count else f"Saved {what}. u to undo")
+def _changed(page: PageScreen, what: str, count: int, notes: Sequence[str] = ()) -> None:
+    saved = f"Saved {what}: {counted(count, 'flight')}" if count else f"Saved {what}"
+    page.show_change("; ".join([saved, *notes]) + ". u to undo")
 
 
 def ask_rail(page: PageScreen) -> None:
