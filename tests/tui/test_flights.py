@@ -19,7 +19,7 @@ from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.plots import Ink, Plot, below_line
+from fieldkit.tui.widgets.plots import Ink, Plot, below_line, filled_columns
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, text_of, typed, words
 
@@ -489,3 +489,10 @@ async def test_a_log_has_one_tall_plot_or_three_where_there_is_room(tmp_path: Pa
 def test_a_line_is_filled_below_it_and_never_beside_it() -> None:
     ink = Ink(80, 23, *["default"] * 5)
     assert below_line(np.array([10.0, 0.2, -10.0]), 20.0, ink).tolist() == pytest.approx([9.5, 0.0, -9.5])
+
+
+def test_a_line_near_zero_is_not_filled_in_fragments() -> None:
+    ink = Ink(80, 23, *["default"] * 5)  # a line of the plot is 10 high
+    climb, descent = [0.0, 60.0, 180.0, 90.0, 5.0], [-9.0, -11.0, -12.0, -9.0, -13.0]
+    filled = filled_columns(np.array([*climb, *descent]), 200.0, ink)
+    assert filled.tolist() == [False, True, True, True, False, *[False] * 5]

@@ -15,7 +15,7 @@ from fieldkit.quantities import spelled, unit_of
 from fieldkit.services.coast_drag import CoastDrag
 from fieldkit.services.replay import recording_of
 from fieldkit.shapes import Array, Float
-from fieldkit.tui.widgets.plots import AXIS, below_line, round_ticks, spaced
+from fieldkit.tui.widgets.plots import AXIS, below_line, filled_columns, round_ticks, spaced
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +112,7 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     columns = np.linspace(first, last, max(2, ink.width - AXIS))  # one sample a column: an area of dots takes too long
     heights = np.interp(columns, trace.time, trace.values)
     below = below_line(heights, high - low, ink)
-    tall = np.abs(below) > (high - low) / ink.height
+    tall = filled_columns(below, high - low, ink)
     for color, part in phases(columns, events, colors):
         plt.scatter(
             columns[part][tall[part]].tolist(), below[part][tall[part]].tolist(), marker="░", color=color, fillx=True

@@ -20,7 +20,7 @@ from textual.widget import Widget
 from textual_plotext import PlotextPlot
 
 from fieldkit.safe_text import printable
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Bool, Flags, Float
 
 MAX_CELLS = 1000
 """Columns and lines of the largest plot, more than any terminal has. [cell]"""
@@ -128,6 +128,17 @@ def below_line(values: Float[Array, "column"], span: float, ink: Ink) -> Float[A
     """Values half a cell nearer to zero, to fill the cells below a line over a `span` without those beside it."""
     half = span / max(1, ink.height - FRAME) / 2
     return np.sign(values) * np.maximum(np.abs(values) - half, 0.0)
+
+
+def filled_columns(below: Float[Array, "column"], span: float, ink: Ink) -> Bool[Flags, "column"]:
+    """The columns to fill below a line over a `span`: those more than a line of the plot from zero, in runs that are
+    somewhere more than two lines from it. Shallower runs would be fragments."""
+    line = span / max(1, ink.height - FRAME)
+    filled = np.abs(below) > line
+    edges = np.flatnonzero(np.diff(filled, prepend=False, append=False))
+    for start, end in edges.reshape(-1, 2):
+        filled[start:end] = np.abs(below[start:end]).max() > 2 * line
+    return filled
 
 
 def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: int) -> dict[float, str]:
