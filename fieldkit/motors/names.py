@@ -103,8 +103,10 @@ def maker_of(text: str) -> str:
 
 
 def in_capitals(text: str) -> str:
-    """A motor's name with class, thrust and propellant in capitals and the maker as in the catalog: `AeroTech F24W-4` for
-    `aerotech f24w-4`. Other words, such as the name of a propellant or a lot, are unchanged."""
+    """A motor's name with class, thrust and propellant in capitals and its maker as in the catalog.
+
+    `AeroTech F24W-4` for `aerotech f24w-4`. Other words, such as the name of a propellant or a lot, are unchanged.
+    """
     if len(text) > MAX_NAME:
         return text
     named = _MAKER_IN_WORDS.sub(lambda maker: _MAKER_OF[maker[0].upper()], text)

@@ -42,13 +42,18 @@ class PadAir:
             "assumed_standard": list(self.assumed),
         }
 
+    @property
+    def altimeter(self) -> str:
+        """By how much an altimeter reads too high or too low in it: `altimeter reads 6.4% low`."""
+        off = 100 * (self.gain - 1)
+        return "altimeter reads " + (
+            "correctly" if abs(off) < 0.05 else f"{abs(off):.1f}% {'high' if off > 0 else 'low'}"
+        )
+
     def words(self, system: str = "SI") -> str:
         """A one-line summary: `1.146 kg/m³ at the pad (density altitude 690 m); altimeter reads 6.4% low`."""
         higher = written(self.density_altitude, "m", system, 0)
-        off = 100 * (self.gain - 1)
-        reads = "reads correctly" if abs(off) < 0.05 else f"reads {abs(off):.1f}% {'high' if off > 0 else 'low'}"
-        text = f"{density(self.density, system)} at the pad (density altitude {higher})"
-        text += f"; altimeter {reads}"
+        text = f"{density(self.density, system)} at the pad (density altitude {higher}); {self.altimeter}"
         return f"{text}; standard values for {', '.join(self.assumed)}" if self.assumed else text
 
     def other(self, system: str = "SI") -> str:

@@ -6,13 +6,16 @@ line is never worse than caution.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import date
 
 from fieldkit.flight.recovery import MAX_STABILITY
+from fieldkit.motors.motor import impulse_class
 from fieldkit.motors.several import ONE_UNLIT
 from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
 from fieldkit.planning.governed import UNTESTED, Governed
 from fieldkit.planning.limits import Limits
-from fieldkit.planning.rules import Rule, RuleRow
+from fieldkit.planning.rules import Rule, RuleRow, governing, known_rules, read_authorities
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
 
 NO_RULE = "no rule in the chosen sets"
@@ -128,6 +131,35 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
     wanted = governed_by.rules("field size")
     wanted.sort(key=lambda rule: -(rule.least(governed_by.build.impulse, governed_by.altitude) or math.inf))
     return _line("field size", wanted, judge)
+
+
+@dataclass(frozen=True, slots=True)
+class FieldSize:
+    """The shorter side of a field that a `code` requires for model rockets with motors of some classes. [m]"""
+
+    code: str
+    classes: str
+    least: float
+
+
+def field_sizes(rules: str) -> list[FieldSize]:
+    """The fields that the first of some authorities with a table by impulse requires today for model rockets.
+
+    Raises BadValue for a damaged file of rules and for an authority without rule sets.
+    """
+    sets = governing(known_rules(), read_authorities(rules), False, date.today())
+    for one in sets:
+        for rule in one.rules:
+            if rule.check == "field size" and rule.by == "impulse":
+                letters: dict[float, list[str]] = {}
+                for row in rule.rows:
+                    letter = impulse_class(row.up_to)
+                    letters.setdefault(row.value, []).append("two Gs" if letter == "H" else letter)
+                return [
+                    FieldSize(one.title, f"{own[0]} to {own[-1]}" if own[1:] else own[0], least)
+                    for least, own in letters.items()
+                ]
+    return []
 
 
 def _small_field(governed_by: Governed) -> Rule | None:

@@ -112,7 +112,7 @@ def safety_lines(
         descent = [replace(line, verdict="unknown", finding=STAYS_ON_RAIL) for line in descent]
     lines = [
         rail_line(prediction.rail_speed, plan, limits),
-        _by_code_first(rule_lines.weight_line(governed_by), _thrust(motor, plan.dry_mass or math.nan, limits)),
+        _by_code_first(rule_lines.weight_line(governed_by), thrust_check(motor, plan.dry_mass or math.nan, limits)),
         _stricter(rule_lines.wind_line(governed_by, plan.wind), _own("wind", plan.wind, limits)),
         _stricter(rule_lines.angle_line(governed_by, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
         rule_lines.stability_line(
@@ -188,7 +188,8 @@ def rail_line(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> Saf
     return SafetyCheck("rail exit speed", verdict, text, (fraction if slow else times if windy else fixed).source)
 
 
-def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
+def thrust_check(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
+    """Thrust to weight of a motor on the pad at a dry mass. [kg]"""
     first, average = thrust_to_weight(motor, dry_mass)
     return thrust_line({"in the first half second": first, "on average": average}, limits)
 

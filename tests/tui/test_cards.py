@@ -1,5 +1,6 @@
 """Cards next to a row of the app: words for values from a log, lines on one scale, facts of the current row."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -7,19 +8,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
+from fieldkit import settings
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.presentation import logged
 from fieldkit.rocket import Configuration
+from fieldkit.settings import FlyerCard
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.next.intervals import IntervalBar, Intervals, bar
 from fieldkit.tui.setup import setup_card
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import grouped, placed
 from fieldkit.tui.widgets.table import Head, fitted
-from tests.pressing import frozen, opened, press, season, typed, words
+from tests.pressing import frozen, opened, press, season, shown, text_of, typed, words
 
 pytestmark = pytest.mark.fast
 
@@ -98,7 +101,7 @@ def test_a_motor_is_described_in_words_with_its_units() -> None:
 def test_a_site_shows_its_air_and_what_its_safety_checks_lack() -> None:
     flights = [Flight(flight_id="1", rocket="Comet", site="Hill", apogee=200.0, site_elevation=1000.0)]
     (place,) = placed(grouped(["1"], flights, "site"), [Site("Hill", ceiling=300.0)])
-    shown = "\n".join(map(str, setup_card.of_site(place, "SI").blocks))
+    shown = "\n".join(map(str, setup_card.of_site(place, "", "SI").blocks))
     assert "1.112 kg/m³ on a standard day" in shown  # U.S. Standard Atmosphere 1976 at 1000 m
     assert "300.0 m" in shown
     assert "field size  not known" in shown
@@ -126,9 +129,48 @@ async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path)
         assert "281.3 m Astra F24-4W" in words(pilot)
         await press(pilot, "right", "right")  # after the kits
         assert "Enter switches to the next; so does N" in words(pilot)
-        assert "US 800 ft, 140.0 mph, 11.36 oz, 68 °F" in words(pilot)
+        assert "The same figures SI US mixed" in words(pilot)
+        assert "Dry mass 322 g 11.36 oz 322 g" in words(pilot)
         await press(pilot, "down")
         assert "✗ ⊘ not possible, unsafe" in words(pilot)
+        assert "A forecast: filled 90%" in words(pilot)
+
+
+async def test_every_setting_shows_what_it_does_now(file: Path) -> None:
+    settings.change_settings({"target": 200.0, "flyer": FlyerCard(rails=(1.2, 1.8))}, file.with_name("settings.json"))
+    async with opened(file, (160, 50), page="setup") as pilot:
+        await press(pilot, "left", "down", "down")
+        assert "Astra so far within 3 m: " in text_of(pilot, "#facts")
+        assert "flight by flight; ✗ tagged, ─ the target" in shown(pilot)
+        await press(pilot, "down")
+        assert "Plans start with length 1.8 m, the longest that you own" in text_of(pilot, "#facts")
+        await press(pilot, "down")
+        assert "Range box Motors that you have" in text_of(pilot, "#facts")
+        await press(pilot, "down")
+        assert "flights 12 of 1 rocket flown 2026-04-18 to 2026-04-18" in text_of(pilot, "#facts")
+        assert "one is made before the first change of a day" in text_of(pilot, "#facts")
+        await press(pilot, "down")
+        assert "none yet i in the Motors list adds" in text_of(pilot, "#facts")
+        await press(pilot, "down")
+        assert "settings.json these settings: " in text_of(pilot, "#facts")
+
+
+async def test_a_site_shows_the_fields_of_the_code_and_its_air(file: Path) -> None:
+    async with opened(file, (160, 50), page="setup") as pilot:
+        await press(pilot, "right", "right", "enter", "down", "down", *typed("130m"), "ctrl+s", "_")
+        assert "Flown here Astra 12 times, to between 131.1 and 281.3 m" in words(pilot)
+        assert "Field for model rockets by NAR Model Rocket Safety Code" in words(pilot)
+        assert "C 122 m ✓ D 152 m ⊘ E to G 305 m ⊘" in words(pilot)
+        assert re.search(
+            r"Air there, by the temperature 0 °C 1\.26\d kg/m³, altimeter reads \d\.\d% high", words(pilot)
+        )
+
+
+async def test_without_a_site_the_fields_of_the_code_and_the_air_at_sea_level_are_shown(tmp_path: Path) -> None:
+    async with opened(tmp_path / "ledger.db", (160, 50), page="setup") as pilot:
+        await press(pilot, "right", "right")
+        assert "A 30 m B 61 m C 122 m" in words(pilot)
+        assert "30 °C 1.164 kg/m³" in words(pilot)  # 1.225 x 288.15 / 303.15
 
 
 async def test_a_rocket_with_a_design_shows_its_centers_and_its_stability(file: Path) -> None:

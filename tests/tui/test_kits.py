@@ -66,3 +66,15 @@ async def test_a_damaged_file_of_kits_gives_a_notice_and_the_other_lists_are_sho
         await press(pilot, "right")
         assert "kits.toml" in words(pilot)
         assert "Astra" in words(pilot)
+
+
+async def test_a_kit_shows_the_motors_that_fit_it_and_the_rockets_named_after_it(file: Path) -> None:
+    own = file.parent / "home" / "kits.toml"
+    own.parent.mkdir(exist_ok=True)
+    own.write_text("[astra]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n")
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, *TO_KITS)
+        assert "Rockets named after it" in words(pilot)
+        assert "Astra B " in words(pilot)
+        assert "B B2 !, B4 !, B6, B6W !, B14T" in words(pilot)
+        assert "! thrust to weight below 5" in words(pilot)

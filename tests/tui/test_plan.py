@@ -1,7 +1,7 @@
 """The decisions for a motor on the Fly page: delay, ballast and contest points, by keys, with every safety line."""
 
 import re
-from datetime import timedelta
+from datetime import datetime, timedelta
 from pathlib import Path
 from unittest.mock import patch
 
@@ -19,7 +19,7 @@ from fieldkit.services.sites import site_of
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
-from tests.pressing import at_home, calm, opened, press, text_of, typed, words
+from tests.pressing import at_home, calm, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -86,6 +86,22 @@ async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(fil
         for text in ("these forecasts", "its last apogee on the motor", "Clearly nearer than a simulation as it is"):
             assert text in seen
         assert "CRPS" not in seen
+
+
+async def test_a_rocket_with_one_flight_shows_it_and_its_next_forecast_in_place_of_a_score(file: Path) -> None:
+    one = Flight(flight_id="1", rocket="Lark", motor="F39-6T", dry_mass=0.4, diameter=0.066, apogee=190.0)
+    with Ledger.open(file) as ledger:
+        ledger.add([one.with_changes(date_time=datetime(2026, 9, 1))])
+    async with opened(file, (160, 50), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", *["left"] * 3)
+        seen = screen_text(pilot)
+        assert "A score needs two normal flights with an apogee; Lark has 1." in seen
+        assert "Flights so far 1 2026-09-01 F39-6T 190.0 m The next flight Lark on AeroTech F39T" in seen
+        assert "Apogee of the next flight on F39T" in text_of(pilot, "#title")
+        assert "◆" in shown(pilot)
+        await press(pilot, "left")
+        assert "No saved forecasts of this rocket yet" in screen_text(pilot)
+        assert "Flights so far 1 2026-09-01" in screen_text(pilot)
 
 
 @pytest.mark.thorough

@@ -12,7 +12,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.flight.site import Site
 from fieldkit.forecast.evaluation.comparison import judged_report
@@ -37,6 +38,7 @@ from fieldkit.planning.outlook import outlook
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.quantiles import three_of_all
 from fieldkit.planning.safety import safety_lines
+from fieldkit.presentation.forecast_text import in_words as forecast_in_words
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import in_brief
@@ -331,9 +333,8 @@ class Decision:
         if not found:
             fared = self.fared(ledger, motors)
             none = "No saved forecasts of this rocket yet. Press Enter on the Fly page to save one."
-            return replace(
-                fared, words=(none, "As they would have been, from the flights before each:", "", *fared.words)
-            )
+            instead = ("As they would have been, from the flights before each:", "") if fared.intervals else ("",)
+            return replace(fared, words=(none, *instead, *fared.words))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             payload = one.made.payload
@@ -346,10 +347,39 @@ class Decision:
         rocket = self.plan.flight.rocket
         rows = [row for row in replayed(ledger, motors, rocket) if row.earlier]
         if not rows:
-            return Answer(("Needs two normal flights with an apogee: each is forecast from the earlier ones.",))
+            return self._unscored(ledger.flights(rocket))
         found = judged_report(rows)
         answer = with_misses(Answer(tuple(in_brief(found, self.system))), found, rocket, self.system)
         return of_forecasts(answer, rows, self.system)
+
+    def _unscored(self, flights: Sequence[Flight]) -> Answer:
+        """What a score needs and will show, the flights so far, and the next forecast if it can be made."""
+        normal = sum(one.clean and one.apogee is not None for one in flights)
+        words = [
+            f"A score needs two normal flights with an apogee; {self.plan.flight.rocket} has {normal or 'none'}.",
+            "Each flight is then forecast from the earlier ones: how far off that is, beside simpler methods, and "
+            "whether nine flights in ten fall inside the 90% interval.",
+        ]
+        if flights:
+            words += ["", "Flights so far", *self._flown(flights[-MAX_DRAWN_FORECASTS:])]
+        try:
+            prediction = self.plan.forecast()
+        except FieldkitError as error:
+            return Answer((*words, "", f"No forecast yet: {in_system(error, self.system)}"))
+        words += ["", "The next flight", *forecast_in_words(prediction, self.system)]
+        unit, last = shown_unit(cards.APOGEE, self.system), self.plan.found.motor.designation
+        flown = [Marked("◆", one.apogee) for one in flights if one.clean and one.apogee is not None]
+        title = f"Apogee of the next flight on {last}; filled 90%, line the median" + ", ◆ flown so far" * bool(flown)
+        number = partial(_height, system=self.system)
+        return Answer(tuple(words), title=title, draw=draw_density(prediction.apogee, number, *flown, unit=unit))
+
+    def _flown(self, flights: Sequence[Flight]) -> Iterator[str]:
+        """Each flight in a line, the newest first: `  1   F24-4W   128.0 m`."""
+        for one in reversed(flights):
+            day = f"{one.date_time:%Y-%m-%d}" if one.date_time else ""
+            apogee = measure(cards.APOGEE, one.apogee, self.system) or "no apogee"
+            parts = (f"{short_name(one):6}", day, f"{one.motor:16}", f"{apogee:>9}", *one.tags)
+            yield "  " + "  ".join(part for part in parts if part)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
         scored = score(rule, ledger.flights(self.plan.flight.rocket))

@@ -15,23 +15,27 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
 from fieldkit.motors import Catalogue, Motor
+from fieldkit.paths import data_file
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import MARKS
 from fieldkit.planning.kits import Kit
-from fieldkit.quantities import density, measure, number, spelled, unit_of
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import Wanted
+from fieldkit.planning.rule_lines import field_sizes
+from fieldkit.planning.safety import thrust_check
+from fieldkit.quantities import ShownUnits, density, measure, number, spelled, unit_of
 from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
-from fieldkit.services.flyer_card import card_texts
 from fieldkit.services.plausible_flights import motor_type
-from fieldkit.settings import UNITS, BoxedMotors, Settings
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 from fieldkit.tui.widgets.plots import EIGHTHS, draw_in, round_ticks, spaced
-from fieldkit.tui.widgets.states import STATES
+from fieldkit.units import ZERO_CELSIUS
 
 SKETCHED_FINENESS = 12.0
 """Assumed ratio of length to diameter if the length is unknown, typical of model rockets. [1]"""
@@ -104,48 +108,48 @@ DRAWING_WIDTH = 56
 MIN_MARGIN = 1.0
 """Stability margin below which a design is marked: the CG belongs at least one diameter ahead of the CP (G. H. Stine,
 Handbook of Model Rocketry). [caliber]"""
+SHOWN_TEMPERATURES = tuple(ZERO_CELSIUS + celsius for celsius in (0, 10, 20, 30, 40))
+"""Temperatures at which the air of a site is shown. [K]"""
+SIZE_TOLERANCE = 0.01
+"""Largest rounding of the size of a field in feet. [m]"""
 MAX_DRAWN_FLIGHTS = 120
 """Number of latest flights to draw, more than the card has columns."""
 
 
-EXAMPLE = {"apogee": 243.84, "top_speed": 62.6, "dry_mass": 0.322, "temperature": 293.15}
-"""Figures that show the units. [SI]"""
-LEGEND = (
-    ("✓ ◎", "passed, on target"),
-    ("! ? ≈", "caution, not given, not final"),
-    ("✗ ⊘", "not possible, unsafe"),
-    ("◆", "flown"),
-)
-"""Signs of states and their meaning, those of one color together."""
-
-
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """The facts of a card, and its picture with a title; None for no picture."""
+    """The facts of a card, and its picture with a title, None for no picture; `below` are facts below the picture."""
 
     blocks: tuple[Hanging, ...]
     title: str = ""
     draw: Any = None
+    below: tuple[Hanging, ...] = ()
 
 
 class SetupCard(VerticalScroll):
-    """Facts, and below them a plot, added when there is something to draw."""
+    """Facts, below them a plot, added when there is something to draw, and further facts."""
 
     DEFAULT_CSS = """
     SetupCard { padding: 0 1; }
     SetupCard Static { height: auto; }
+    SetupCard #below { margin-top: 1; }
     SetupCard Plot { height: 1fr; min-height: 14; max-height: 30; margin-top: 1; border-top: solid $border-blurred;
         border-title-color: $foreground; }
     """
 
     def compose(self) -> Iterable[Widget]:
-        """The facts; the plot is added below them."""
+        """The facts; the plot is added between them."""
         yield Static(id="facts")
+        yield Static(id="below")
 
     def show(self, facts: Facts) -> None:
         """Show the whole card, with its picture if there is room."""
         self.query_one("#facts", Static).update(stacked(facts.blocks))
         draw_in(self, facts.draw, facts.title)
+        below = self.query_one("#below", Static)
+        below.update(stacked(facts.below))
+        if self.children[-1] is not below:  # the plot was added now
+            self.move_child(below, after=-1)
 
 
 def of_motor(motor: Motor, system: str) -> Facts:
@@ -170,11 +174,10 @@ def of_build(group: Group, system: str, design: Configuration | None, motors: Ca
     for one in flights:
         flew_on[motor_type(one.motor, motors) if one.motor else "no motor named"].append(one)
     flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in flew_on.items()])
-    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(draw_apogees, known, None, system) if len(known) > 1 else None
     drawn = (_side_view(group.last.diameter, design),) if group.last.diameter else ()
-    return Facts((*drawn, cards.lines(" ".join(group.names), pairs), flown), title, draw)
+    return Facts((*drawn, cards.lines(" ".join(group.names), pairs), flown), apogees_title(system), draw)
 
 
 def _used(flights: Sequence[Flight]) -> str:
@@ -201,8 +204,9 @@ def _side_view(diameter: float, design: Configuration | None) -> Hanging:
     return Hanging(tuple((0, line) for line in lines))
 
 
-def of_site(place: LaunchSite, system: str) -> Facts:
-    """A site: its air, its flights, and the limits for its safety checks."""
+def of_site(place: LaunchSite, rules: str, system: str) -> Facts:
+    """A site: its air, its flights, and the limits for its safety checks; `rules` are the authorities of sites without
+    their own."""
     site, flights = place.site, place.flights
     rockets = sorted({one.rocket for one in flights if one.rocket})
     pairs = [
@@ -216,12 +220,36 @@ def of_site(place: LaunchSite, system: str) -> Facts:
     ]
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
-    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
-    return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)
+    title = apogees_title(system) + (", ─ the ceiling" if site.ceiling else "")
+    by_rocket: dict[str, list[Flight]] = defaultdict(list)
+    for one in flights:
+        by_rocket[one.rocket].append(one)
+    flown = [(name, _heights(some, system)) for name, some in by_rocket.items() if name]
+    blocks = [cards.lines(site.name, pairs), *([cards.lines("Flown here", flown)] if flown else [])]
+    return Facts(tuple(blocks), title, draw, for_sites(site, rules, system))
 
 
-def of_kit(kit: Kit, system: str) -> Facts:
-    """A kit, with its drawing if its diameter is known."""
+def for_sites(site: Site, rules: str, system: str) -> tuple[Hanging, Hanging]:
+    """The fields that the code requires for each class of motors, beside the size of a site, and its air in other
+    weather; `rules` are the authorities of sites without their own. Raises BadValue for a damaged file of rules."""
+    shown, sizes = ShownUnits(system), field_sizes(site.rules or rules)
+    fields = [(one.classes, _with_verdict(one.least, site.size, shown)) for one in sizes]
+    code = f"Field for model rockets by {sizes[0].code}" if sizes else ""
+    airs = []
+    for kelvin in SHOWN_TEMPERATURES:
+        air = air_of(Flight(site_elevation=site.elevation, temperature=kelvin))
+        airs.append((shown.temperature(kelvin), f"{density(air.density, system)}, {air.altimeter}"))
+    return cards.lines(code, fields), cards.lines("Air there, by the temperature", airs)
+
+
+def _with_verdict(least: float, size: float | None, shown: ShownUnits) -> str:
+    """The shorter side that a code requires [m], and whether a field of this size has it."""
+    verdict = "" if size is None else f" {MARKS['ok' if size >= least - SIZE_TOLERANCE else 'unsafe']}"
+    return f"{shown.length(least)}{verdict}"
+
+
+def of_kit(kit: Kit, system: str, builds: Sequence[Group], motors: Catalogue) -> Facts:
+    """A kit, with its drawing if its diameter is known, the rockets named after it, and the motors that fit it."""
     unknown = "not known: Enter to set it"
     pairs = [
         ("dry mass", measure(cards.DRY_MASS, kit.dry_mass, system) or unknown),
@@ -229,22 +257,27 @@ def of_kit(kit: Kit, system: str) -> Facts:
         ("mount", unknown if kit.mount is None else f"motors up to {kit.mount * 1e3:g} mm"),
     ]
     use = Hanging(((0, Content("Name a rocket after the kit, on Home or with p on Fly: it starts with these.")),))
+    named = [one for one in builds if one.names[0].casefold() == kit.name.casefold()]
+    rockets = [(" ".join(one.names).strip(), _heights(one.flights, system)) for one in named]
     drawn = (_side_view(kit.diameter, None),) if kit.diameter else ()
-    return Facts((cards.lines(kit.name, pairs), use, *drawn))
+    blocks = [cards.lines("Rockets named after it", rockets)] if rockets else [use]
+    fitting = cards.lines("Motors that fit it", motors_of_kit(kit, motors))
+    return Facts((cards.lines(kit.name, pairs), *blocks, *drawn, fitting))
 
 
-def of_setting(name: str, means: str, settings: Settings, box: tuple[BoxedMotors, ...]) -> Facts:
-    """A setting, its meaning, and an example of it: figures in each system of units, the colors, the whole card."""
-    blocks = [cards.lines(name, ()), Hanging(((0, Content(means)),))]
-    if name == "units":
-        shown = [(one, ", ".join(measure(BY_NAME[key], value, one) for key, value in EXAMPLE.items())) for one in UNITS]
-        blocks.append(cards.lines("The same figures", shown))
-    elif name == "theme":
-        lines = (Content.assemble((f"{signs:7}", f"b ${STATES[signs[0]]}"), words) for signs, words in LEGEND)
-        blocks.append(Hanging(tuple((7, line) for line in lines)))
-    elif name == "card":
-        blocks.append(cards.lines("", list(card_texts(settings, settings.units, box).items())))
-    return Facts(tuple(blocks))
+def motors_of_kit(kit: Kit, motors: Catalogue) -> list[tuple[str, str]]:
+    """The motors in production that fill the mount of a kit, by class, without those that are too weak for its mass;
+    none without a mount."""
+    if kit.mount is None:
+        return []
+    known, wanted = limits(data_file("limits.toml")), Wanted(mount=kit.mount, dry_mass=kit.dry_mass)
+    named: dict[str, dict[str, None]] = defaultdict(dict)
+    for motor in filter(wanted.fits, motors.search("")):
+        weak = kit.dry_mass is not None and thrust_check(motor, kit.dry_mass, known).verdict != "ok"
+        named[motor.impulse_class][f"{motor.designation}{' !' * weak}"] = None
+    note = f"thrust to weight below {known['thrust_to_weight'].value:g}"
+    any_weak = any(one.endswith("!") for own in named.values() for one in own)
+    return [*((name, ", ".join(own)) for name, own in sorted(named.items())), *([("!", note)] if any_weak else [])]
 
 
 def _dates(flights: Sequence[Flight]) -> Iterable[tuple[str, str]]:
@@ -271,6 +304,11 @@ def _highest(flights: Sequence[Flight], system: str) -> str:
     if best is None or best.apogee is None:
         return ""
     return " ".join(part for part in (measure(cards.APOGEE, best.apogee, system), best.rocket, best.motor) if part)
+
+
+def apogees_title(system: str) -> str:
+    """The title of drawn apogees, with their unit."""
+    return f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
 
 
 def draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:

@@ -14,6 +14,7 @@ from textual.containers import Container, Horizontal
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from fieldkit.flight.site import Site
 from fieldkit.motors import Motor
 from fieldkit.planning.kits import Kit
 from fieldkit.services.kits import kits
@@ -26,10 +27,10 @@ from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.setup import kit_form, setup_card, setup_forms
 from fieldkit.tui.setup.card_form import ask_card
 from fieldkit.tui.setup.kit_form import ask_delete
+from fieldkit.tui.setup.setting_card import of_setting
 from fieldkit.tui.setup.setup_card import Facts, SetupCard
 from fieldkit.tui.setup.setup_forms import ask_rail
 from fieldkit.tui.setup.setup_lists import (
-    MEANS,
     ListContents,
     builds_listed,
     kits_listed,
@@ -241,19 +242,21 @@ class SetupScreen(PageScreen):
         self.query_one(SetupCard).show(self._shown_facts)
 
     def _facts(self, kind: str, key: Any, system: str) -> Facts:
+        rules = self.resources.settings.rules
         if key is None:
-            return setup_card.Facts((cards.lines("What it is for", EMPTY_CARDS.get(kind, ())),))
+            below = setup_card.for_sites(Site(""), rules, system) if kind == "Sites" else ()
+            return Facts((cards.lines("What it is for", EMPTY_CARDS.get(kind, ())),), below=below)
         match kind:
             case "Motors":
                 return setup_card.of_motor(key, system)
             case "Rockets":
                 return setup_card.of_build(key, system, self._names.design(*key.names), self.resources.motors)
             case "Sites":
-                return setup_card.of_site(key, system)
+                return setup_card.of_site(key, rules, system)
             case "Kits":
-                return setup_card.of_kit(key, system)
+                return setup_card.of_kit(key, system, self._names.builds, self.resources.motors)
             case _:
-                return setup_card.of_setting(key, MEANS[key], self.resources.settings, self._box)
+                return of_setting(key, self.resources, self._box)
 
     def _list(self) -> ListContents:
         """The current list with the columns that fit."""
