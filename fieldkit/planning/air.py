@@ -46,9 +46,8 @@ class PadAir:
     def altimeter(self) -> str:
         """By how much an altimeter reads too high or too low in it: `altimeter reads 6.4% low`."""
         off = 100 * (self.gain - 1)
-        return "altimeter reads " + (
-            "correctly" if abs(off) < 0.05 else f"{abs(off):.1f}% {'high' if off > 0 else 'low'}"
-        )
+        reads = "reads correctly" if abs(off) < 0.05 else f"reads {abs(off):.1f}% {'high' if off > 0 else 'low'}"
+        return f"altimeter {reads}"
 
     def words(self, system: str = "SI") -> str:
         """A one-line summary: `1.146 kg/m³ at the pad (density altitude 690 m); altimeter reads 6.4% low`."""
