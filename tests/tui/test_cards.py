@@ -133,7 +133,7 @@ async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path)
         assert "Dry mass 322 g 11.36 oz 322 g" in words(pilot)
         await press(pilot, "down")
         assert "✗ ⊘ not possible, unsafe" in words(pilot)
-        assert "A forecast: filled 90%" in words(pilot)
+        assert "a forecast: filled 90%" in words(pilot)
 
 
 async def test_every_setting_shows_what_it_does_now(file: Path) -> None:

@@ -119,7 +119,7 @@ def _theme(system: str) -> Facts:
     marks = Marked("◎", EXAMPLE["apogee"] + EXAMPLE_SD), Marked("◆", EXAMPLE["apogee"] - EXAMPLE_SD)
     return Facts(
         (Hanging(tuple((7, line) for line in lines)),),
-        "A forecast: filled 90%, line the median, ◎ target, ◆ flown",
+        "a forecast: filled 90%, line median, ◎ target, ◆ flown",
         draw_density(draws, lambda height: measure(cards.APOGEE, height, system), *marks),
     )
 

@@ -148,6 +148,7 @@ class SetupCard(VerticalScroll):
         draw_in(self, facts.draw, facts.title)
         below = self.query_one("#below", Static)
         below.update(stacked(facts.below))
+        below.display = bool(facts.below)
         if self.children[-1] is not below:  # the plot was added now
             self.move_child(below, after=-1)
 
@@ -225,8 +226,8 @@ def of_site(place: LaunchSite, rules: str, system: str) -> Facts:
     for one in flights:
         by_rocket[one.rocket].append(one)
     flown = [(name, _heights(some, system)) for name, some in by_rocket.items() if name]
-    blocks = [cards.lines(site.name, pairs), *([cards.lines("Flown here", flown)] if flown else [])]
-    return Facts(tuple(blocks), title, draw, for_sites(site, rules, system))
+    here = (cards.lines("Flown here", flown),) if flown else ()
+    return Facts((cards.lines(site.name, pairs),), title, draw, (*here, *for_sites(site, rules, system)))
 
 
 def for_sites(site: Site, rules: str, system: str) -> tuple[Hanging, Hanging]:
