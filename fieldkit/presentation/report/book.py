@@ -16,7 +16,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.presentation.report.card import Card, cards, left_out, totals
 from fieldkit.progress import ReportProgress, part
-from fieldkit.quantities import ShownUnits, in_system
+from fieldkit.quantities import ShownUnits, counted, in_system
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 
@@ -27,7 +27,10 @@ others; longer reports use the loop's leave-one-out forecasts. [1]"""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightReport:
-    """A report: the cards in the order flown, and the loop's findings by rocket if it has more than one flight."""
+    """A report: the cards in the order flown, and the loop's findings by rocket if it has more than one flight.
+
+    `earlier` counts the flights before these.
+    """
 
     title: str
     subtitle: str
@@ -35,6 +38,7 @@ class FlightReport:
     loops: tuple[Findings, ...] = ()
     summary: bool = False
     system: str = "SI"
+    earlier: int = 0
 
     @property
     def figures(self) -> tuple[tuple[str, str], ...]:
@@ -68,16 +72,23 @@ def loop_words(found: Findings, system: str = "SI") -> list[str]:
     return lines
 
 
-def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgress, system: str = "SI") -> FlightReport:
-    """The report on a day such as 2026-05-01, a flight id, or a rocket, tried in that order, in the units of a system.
+def book(
+    ledger: Ledger,
+    motors: Catalogue,
+    what: str,
+    on_progress: ReportProgress,
+    system: str = "SI",
+    last: int | None = None,
+) -> FlightReport:
+    """The report on a day such as 2026-05-01, a flight id, or a rocket, tried in that order, in the units of a system;
+    of a day or a rocket with the `last` flights only.
 
     Raises LedgerError with similar names if nothing matches.
     """
     if re.fullmatch(r"\d{4}-\d{2}-\d{2}", what) and (flights := _of_day(ledger, what)):
-        rockets = list(dict.fromkeys(one.rocket for one in flights))
         sites = ", ".join(dict.fromkeys(one.site for one in flights if one.site))
         day = FlightReport(f"Launch day {what}", sites, (), summary=True, system=system)
-        return _of_several(ledger, motors, day, flights, rockets, on_progress)
+        return _of_several(ledger, motors, day, flights, last, on_progress)
     try:
         flight = ledger.flight(what)
     except LedgerError as error:
@@ -88,7 +99,7 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
             raise
         flights = ledger.flights(what)
         season = FlightReport(what, _span(flights), (), summary=True, system=system)
-        return _of_several(ledger, motors, season, flights, [what], on_progress)
+        return _of_several(ledger, motors, season, flights, last, on_progress)
     (card,) = cards(ledger, motors, [flight], on_progress, system)
     subtitle = " ".join((flight.rocket, flight.config)).strip()
     return FlightReport(flight_label(card.id, "Flight"), subtitle, (card,), system=system)
@@ -99,20 +110,24 @@ def _of_several(
     motors: Catalogue,
     empty: FlightReport,
     flights: Sequence[Flight],
-    rockets: Sequence[str],
+    last: int | None,
     on_progress: ReportProgress,
 ) -> FlightReport:
-    """A report with the cards of several flights, and the loop's findings for their rockets."""
+    """A report with the cards of the `last` of some flights, and the loop's findings for their rockets."""
+    shown = flights[-last:] if last else flights
+    rockets = list(dict.fromkeys(one.rocket for one in shown))
     loops = []
     for place, rocket in enumerate(rockets):
         own = part(part(on_progress, 0.0, 0.6), place / len(rockets), 1 / len(rockets))
         with suppress(NoFlights):  # too few flights for the loop
             loops.append(look(ledger, motors, rocket, own))
-    known = {}
-    if len(flights) > MAX_FITS:
+    known = None
+    if len(shown) > MAX_FITS:
         known = {key: one for found in loops for key, one in left_out(found, empty.system).items()}
-    made = cards(ledger, motors, flights, part(on_progress, 0.6, 0.4), empty.system, known)
-    return replace(empty, cards=tuple(made), loops=tuple(loops))
+    made = cards(ledger, motors, shown, part(on_progress, 0.6, 0.4), empty.system, known)
+    count = f"the latest {len(shown):,} of {counted(len(flights), 'flight')}" if len(shown) < len(flights) else ""
+    subtitle = ", ".join(filter(None, (empty.subtitle, count)))
+    return replace(empty, subtitle=subtitle, cards=tuple(made), loops=tuple(loops), earlier=len(flights) - len(shown))
 
 
 def _of_day(ledger: Ledger, what: str) -> list[Flight]:

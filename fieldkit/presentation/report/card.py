@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
 
 import numpy as np
 
@@ -94,10 +93,10 @@ def cards(
     flights: Sequence[Flight],
     on_progress: ReportProgress,
     system: str = "SI",
-    known: Mapping[tuple[str, str], CardForecast] = MappingProxyType({}),
+    known: Mapping[tuple[str, str], CardForecast] | None = None,
 ) -> list[Card]:
     """A card for each of some flights of the ledger, in the units of a system; `known` are forecasts by rocket and
-    flight_id, shown for flights without a saved one."""
+    flight_id, shown for flights without a saved one. If it is None, each of these takes a fit to the others."""
     rockets = {one.rocket for one in flights}
     forecasts = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in rockets}
     records = {rocket: _record(ledger.flights(rocket)) for rocket in rockets}
@@ -112,8 +111,10 @@ def cards(
             when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"
             words = f"forecast {when} by model {one.made.payload.get('model', '')}"
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes_in(system))
+        elif known is not None:
+            forecast = known.get((flight.rocket, flight.flight_id))
         else:
-            forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(rocket, motors, flight, system)
+            forecast = _afterwards(rocket, motors, flight, system)
         trace, record = _trace(recordings, id), records[flight.rocket]
         found.append(
             Card(

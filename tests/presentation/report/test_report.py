@@ -127,6 +127,19 @@ def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flig
     assert all("the loop forecasts" in one.forecast.by for one in made.cards if one.forecast)
 
 
+def test_a_report_has_the_last_flights_and_counts_those_before(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(book_module, "MAX_FITS", 0)
+    monkeypatch.setattr(card_module, "from_others", lambda *_: pytest.fail("a fit for a flight"))
+    with Ledger.open(file) as ledger:
+        made = book(ledger, catalogue(), "2026-05-02", quiet, last=1)
+    assert ([card.id for card in made.cards], made.earlier) == (["2"], 1)
+    assert made.subtitle.endswith("the latest 1 of 2 flights")
+    assert main(["--ledger", str(file), "report", HOSTILE, "--last", "1", "--out", str(tmp_path / "a.md")]) == 0
+    assert "note: without 1 earlier flight; --last 2 for all" in capsys.readouterr().err
+
+
 def test_a_long_report_reads_a_table_once_and_infers_in_one_batch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
