@@ -1,11 +1,12 @@
 """The record of one flight."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
 from typing import Any
 
-from fieldkit.flight.columns import MEASURED
+from fieldkit.flight.columns import MEASURED, Column
+from fieldkit.flight.log_origin import LogOrigin, log_origin
 from fieldkit.flight.readout import Readout
 from fieldkit.flight.tags import TAGS
 
@@ -75,7 +76,16 @@ class Flight:
     @property
     def has_log(self) -> bool:
         """Whether it was imported from a log, or names one."""
-        return bool(self.log) or "log_format" in self.extra
+        return bool(self.log or self.origin.format)
+
+    @property
+    def origin(self) -> LogOrigin:
+        """The files it was read from and the device that wrote them, as far as they are recorded."""
+        return log_origin(self.extra)
+
+    def as_stated(self, column: Column) -> str:
+        """The value of a readout that the device itself stated, as text in the column's unit; empty if it did not."""
+        return self.text(column.stated_header)
 
     def readouts(self) -> dict[str, float]:
         """The recorded readouts by name, in SI, including those computed from a log."""
@@ -102,6 +112,10 @@ class Flight:
     def with_columns(self, **texts: str) -> "Flight":
         """A copy of the flight with these texts in further columns."""
         return replace(self, extra={**self.extra, **texts})
+
+    def without_columns(self, headers: Container[str]) -> "Flight":
+        """A copy of the flight without these further columns."""
+        return replace(self, extra={name: text for name, text in self.extra.items() if name not in headers})
 
     def unflown(self, **changes: object) -> "Flight":
         """A copy of the flight as planned, without its readouts, with other fields changed."""

@@ -25,10 +25,14 @@ STATE_COLUMN, STATES = "drag_step", {"yes": True, "open": True, "no": False, "sh
 """Column in which a flyer records whether the drag of a flight switched, and its values."""
 
 
+def texts_under(flight: Flight, is_named: Callable[[str], bool]) -> list[str]:
+    """The texts in the further columns whose headers are so named, without empty ones."""
+    return [text.strip() for header, text in flight.extra.items() if is_named(header) and text.strip()]
+
+
 def text_under(flight: Flight, is_named: Callable[[str], bool]) -> str:
     """The first text in the further columns whose header is so named, empty if there is none."""
-    columns = (text.strip() for header, text in flight.extra.items() if is_named(header))
-    return next(filter(None, columns), "")
+    return next(iter(texts_under(flight, is_named)), "")
 
 
 @lru_cache(maxsize=256)

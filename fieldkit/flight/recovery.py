@@ -119,6 +119,12 @@ def recovery_column(flight: Flight, name: str) -> str | None:
     return None
 
 
+def recovery_texts(flight: Flight, names: Iterable[str]) -> dict[str, str]:
+    """The columns of a flight that have a text for one of these `RECOVERY_NAMES`, as recorded."""
+    headers = (recovery_column(flight, name) for name in names)
+    return {header: flight.extra[header] for header in headers if header}
+
+
 def check_recovery(flight: Flight, names: Iterable[str] = tuple(LIMITS)) -> None:
     """Raise BadValue for one of these recovery columns that is not a number or is beyond `LIMITS`."""
     for name in names:

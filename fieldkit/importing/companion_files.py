@@ -5,13 +5,11 @@ from dataclasses import replace
 from datetime import datetime, time, timedelta
 from pathlib import Path
 
-from fieldkit.importing.incoming import OTHER_LOGS
+from fieldkit.flight.log_origin import LogOrigin, log_origin
 from fieldkit.importing.reading import Note, Parsed, Reading
 
 SAME_MOMENT = timedelta(seconds=2)
 """Lift-off times of files of one logger that differ by less than this are of the same flight."""
-KINDS = "log_kinds"
-"""The extra column of a flight that lists the kinds of files it was read from, if its logger writes several."""
 Opened = tuple[str, str, Sequence[Parsed]]
 """An opened file: its name, its parser, and what the parser found."""
 
@@ -34,8 +32,8 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
             found[home].append(Note(_PART.format(main.part, main.device), main.row))
             continue
         whole = _whole(main, [other for _, other in others])
-        named = dict.fromkeys(digests[i] for i, _ in others)
-        whole = replace(whole, extra={**whole.extra, OTHER_LOGS: " ".join(named)})
+        named = tuple(dict.fromkeys(digests[i] for i, _ in others))
+        whole = replace(whole, extra={**whole.extra, **LogOrigin(others=named).columns()})
         found[home] = [whole if item is main else item for item in found[home]]
         for i, other in others:
             note = Note(f"belongs to the flight of {opened[home][0]}")
@@ -47,7 +45,7 @@ def _by_number(opened: Sequence[Opened], places: Sequence[tuple[int, Reading]]) 
     """Files of several formats in one folder with the same flight, by flight number and logger serial number."""
     groups: dict[tuple[Path, str, str], list[tuple[int, Reading]]] = {}
     for i, item in places:
-        if item.serial and item.clocks and not item.part and (number := item.extra.get("flight")):
+        if item.serial and item.clocks and not item.part and (number := log_origin(item.extra).number):
             groups.setdefault((Path(opened[i][0]).parent, item.serial, number), []).append((i, item))
     return [group for group in groups.values() if len({opened[i][1] for i, _ in group}) == len(group) > 1]
 

@@ -18,7 +18,7 @@ from fieldkit.analysis.channels import MIN_SAMPLES
 from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import MEASURED, READOUTS
-from fieldkit.importing.companion_files import KINDS
+from fieldkit.flight.log_origin import LogOrigin
 from fieldkit.importing.height_units import with_proven_heights
 from fieldkit.importing.reading import MOST_FLIGHTS, Note, Parsed, Reading
 from fieldkit.messages import marked, message
@@ -79,7 +79,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
         when = fields.get("date_time")
         start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"
         fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
-    known = _origin(reading, format) | ({"log_part": str(part)} if parts > 1 else {})
+    known = _origin(reading, format, str(part) if parts > 1 else "")
     measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known}, recorded=recorded)
     return [measured, *proven, *(Note(text, reading.row) for text in recorded.notes)]
 
@@ -97,8 +97,9 @@ def _stated(reading: Reading, format: str) -> Reading:
     return replace(reading, stated={**reading.stated, "source": source}, extra=extra)
 
 
-def _origin(reading: Reading, format: str) -> dict[str, str]:
-    """Extra columns, if known: the device of a flight, its firmware and serial number, the kinds of its files, and the
-    parser that reads them."""
-    metadata = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
-    return {name: text for name, text in (metadata | {KINDS: reading.part}).items() if text}
+def _origin(reading: Reading, format: str, part: str = "") -> dict[str, str]:
+    """Extra columns with the device of a flight and the files that it was read from."""
+    kinds = tuple(reading.part.split())
+    return LogOrigin(
+        format, part, kinds, device=reading.device, firmware=reading.firmware, serial=reading.serial
+    ).columns()

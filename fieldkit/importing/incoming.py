@@ -55,7 +55,3 @@ class IncomingFlight:
     row: int | None = None
     given: Mapping[str, object] | None = None
     others: tuple[Original, ...] = ()
-
-
-OTHER_LOGS = "other_logs"
-"""The extra column of a flight with the digests of `IncomingFlight.others`, space-separated."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
+from fieldkit.flight.log_origin import log_origin
 from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
@@ -63,7 +64,7 @@ def open_file(source: str, log: bytes, format: str | None = None, choices: Seque
 
 def _is_numbered(reading: Reading) -> bool:
     """Whether a logger numbered a flight, so that a file of another kind may belong to the same flight."""
-    return bool(reading.serial and reading.extra.get("flight"))
+    return bool(reading.serial and log_origin(reading.extra).number)
 
 
 def read_stored(

@@ -9,7 +9,7 @@ from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.limits import check_keys
 from fieldkit.flight.short_name import flight_label
-from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger.finding import Identity, StoredFlight, find, of_logs
 from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
@@ -58,8 +58,7 @@ class KnownFlights:
 
 def lacks_files(stored: Flight, flight: Flight) -> bool:
     """Whether an incoming flight has more files than the stored one."""
-    named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (stored, flight)]
-    return not named[1] <= named[0]
+    return not set(flight.origin.others) <= set(stored.origin.others)
 
 
 def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) -> Added:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from sqlalchemy import Connection, insert, select
 
 from fieldkit.files import MAX_FILE_SIZE
-from fieldkit.importing.incoming import OTHER_LOGS, Original, digest_of
+from fieldkit.importing.incoming import Original, digest_of
 from fieldkit.ledger.finding import StoredFlight
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import logs
@@ -30,7 +30,7 @@ def log_of(connection: Connection, stored: StoredFlight) -> bytes | None:
 
 def other_logs_of(connection: Connection, stored: StoredFlight) -> list[bytes]:
     """The original bytes of a stored flight's additional files."""
-    contents = [_content(connection, digest) for digest in stored.flight.extra.get(OTHER_LOGS, "").split()]
+    contents = [_content(connection, digest) for digest in stored.flight.origin.others]
     return [content for content in contents if content is not None]
 
 

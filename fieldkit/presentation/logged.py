@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import READOUTS, TWO_DEVICES, Column, Flight
-from fieldkit.importing.incoming import OTHER_LOGS
+from fieldkit.flight.log_origin import OTHER_LOGS
 from fieldkit.quantities import ShownUnits, measure, spelled, unit_of, weighed, with_sd
 
 TIME_TO_APOGEE = ("time_to_apogee_s", "time_to_apogee_sd_s")

@@ -93,7 +93,7 @@ def _file_of(ledger: Ledger, id: str) -> Path | None:
     if files is None:
         return None
     flight = ledger.flight(id)
-    which = repr((files.format, files.choices, flight.flight_id, flight.date_time, flight.extra.get("log_part")))
+    which = repr((files.format, files.choices, flight.flight_id, flight.date_time, flight.origin.part))
     parts = [_program(), which.encode(), files.log, *files.others]
     return data_file("measured") / f"{sha256(b''.join(sha256(part).digest() for part in parts)).hexdigest()}"
 

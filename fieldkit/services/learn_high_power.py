@@ -13,6 +13,7 @@ from scipy.stats import norm
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.files import read
 from fieldkit.flight import Flight
+from fieldkit.flight.further import texts_under
 from fieldkit.inference.laplace.high_power import Departure, DesignForecast, departure, learn_high_power, log_density
 from fieldkit.model.high_power import is_high_power
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
@@ -58,8 +59,8 @@ def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
 def _usable(flight: Flight, motors: Catalogue) -> DesignForecast | None:
     """The flight and its forecasts in a row, or None if it lacks something or cannot be used."""
     begin, end = FORECAST_COLUMN
-    apogees = [_positive(text) for name, text in flight.extra.items() if name.startswith(begin) and name.endswith(end)]
-    mach, known = _positive(flight.extra.get(MACH_COLUMN, "")), tuple(apogee for apogee in apogees if apogee)
+    forecasts = texts_under(flight, lambda header: header.startswith(begin) and header.endswith(end))
+    mach, known = _positive(flight.text(MACH_COLUMN)), tuple(filter(None, map(_positive, forecasts)))
     if not (flight.clean and flight.diameter and flight.apogee and mach and known):
         return None
     try:

@@ -13,6 +13,7 @@ from fieldkit.flight.recovery import (
     device_of,
     recovery_column,
     recovery_of,
+    recovery_texts,
     stability,
 )
 from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
@@ -153,8 +154,7 @@ def _with_recovery(plan: Flight, own: Sequence[Flight]) -> Flight:
             continue
         like = [flight for flight in own if names[0] in OF_ANY_DEVICE or _device(flight) == _device(plan)]
         last = next((flight for flight in reversed(like) if _has(flight, names)), plan)
-        found = {key: last.extra[key] for name in names if (key := recovery_column(last, name))}
-        plan = plan.with_columns(**found)
+        plan = plan.with_columns(**recovery_texts(last, names))
     return plan
 
 
@@ -174,4 +174,4 @@ def _has(flight: Flight, names: Sequence[str]) -> bool:
 
 
 def _device(flight: Flight) -> str:
-    return flight.extra.get("recovery", "").strip().lower() or DEVICES[0]
+    return flight.text("recovery").strip().lower() or DEVICES[0]

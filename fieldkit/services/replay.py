@@ -83,7 +83,7 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
     """The reading of a flight in a log: by its lift-off, its number, or its name."""
     if len(same := [one for one in readings if same_moment(one.stated.get("date_time"), flight.date_time)]) == 1:
         return same[0]
-    part = flight.extra.get("log_part", "1" if len(readings) == 1 else "")
+    part = flight.origin.part or ("1" if len(readings) == 1 else "")
     if (number := whole_number(part)) and number <= len(readings):
         return readings[number - 1]
     named = [one for one in readings if one.stated.get("flight_id") == flight.flight_id]

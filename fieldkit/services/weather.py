@@ -114,9 +114,7 @@ def filled(flight: Flight, sources: Sequence[NamedWeather], zone: tzinfo | None,
     if not extra:
         return FilledIn(flight, flight, reason="its weather is recorded")
     extra[SOURCE] = f"{', '.join(used)} at {flight.date_time:%Y-%m-%d %H:%M}"
-    changed = flight.with_changes(
-        **{name: value for name, (value, _) in taken.items()}, extra={**flight.extra, **extra}
-    )
+    changed = flight.with_changes(**{name: value for name, (value, _) in taken.items()}).with_columns(**extra)
     return FilledIn(flight, changed, taken, aloft)
 
 

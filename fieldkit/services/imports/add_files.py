@@ -21,7 +21,7 @@ from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.importing import ColumnChoice, Rejected
-from fieldkit.importing.companion_files import KINDS, same_moment
+from fieldkit.importing.companion_files import same_moment
 from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.importing.read import read_stored
 from fieldkit.importing.tables.mapping import remember
@@ -65,7 +65,7 @@ def sorted_out(
     """Separate incoming flights that are new flights from further files of flights in the ledger."""
     sorting = Sorting()
     for incoming in incoming_flights:
-        if incoming.log is None or not (incoming.flight.extra.get(KINDS) or _number(incoming.flight)):
+        if incoming.log is None or not (incoming.flight.origin.kinds or _number(incoming.flight)):
             sorting.new.append(incoming)
             continue
         held = [(id, flight) for id, flight in _everyone(ledger) if _fits(flight, incoming.flight)]
@@ -85,8 +85,8 @@ def sorted_out(
 
 def _number(flight: Flight) -> tuple[str, str] | None:
     """A logger's serial number and its number for the flight; None if either is unknown."""
-    serial, number = flight.extra.get("serial"), flight.extra.get("flight")
-    return (serial, number) if serial and number else None
+    origin = flight.origin
+    return (origin.serial, origin.number) if origin.serial and origin.number else None
 
 
 def _everyone(ledger: Ledger) -> list[tuple[str, Flight]]:
@@ -100,8 +100,8 @@ def _fits(there: Flight, new: Flight) -> bool:
         return False
     if _number(new):
         return _number(there) == _number(new)
-    serials = {there.extra.get("serial", ""), new.extra.get("serial", "")} - {""}
-    return bool(there.extra.get(KINDS)) and there.extra.get("device") == new.extra.get("device") and len(serials) <= 1
+    held, own = there.origin, new.origin
+    return bool(held.kinds) and held.device == own.device and len({held.serial, own.serial} - {""}) <= 1
 
 
 def _is_same(there: Flight, incoming: IncomingFlight) -> bool:
@@ -114,7 +114,7 @@ def _is_same(there: Flight, incoming: IncomingFlight) -> bool:
 
 def _is_other_form(there: Flight, incoming: IncomingFlight) -> bool:
     """Whether a numbered flight arrives in another format than the ledger has, or in several."""
-    return there.extra.get("log_format") != incoming.flight.extra.get("log_format") or bool(incoming.others)
+    return there.origin.format != incoming.flight.origin.format or bool(incoming.others)
 
 
 def _are_as_high(there: Flight, new: Flight) -> bool:
@@ -131,7 +131,7 @@ def _maybe(there: Flight, incoming: IncomingFlight) -> bool:
     new = incoming.flight
     if _number(new):
         return new.flight_id != there.flight_id
-    if set(there.extra[KINDS].split()) & set(new.extra[KINDS].split()):
+    if set(there.origin.kinds) & set(new.origin.kinds):
         return False
     days = {flight.date_time.date() for flight in (there, new) if flight.date_time}
     timed = all(flight.date_time and flight.date_time.time() != time() for flight in (there, new))
@@ -147,7 +147,7 @@ def _join(ledger: Ledger, id: str, incoming: IncomingFlight, sorting: Sorting, c
     if not new:
         sorting.there += _is_there(flight, incoming, sorting)
         return
-    kinds = [set(one.extra.get(KINDS, "").split()) for one in (flight, incoming.flight)]
+    kinds = [set(one.origin.kinds) for one in (flight, incoming.flight)]
     if not kept or (kinds[1] and kinds[0] >= kinds[1]):
         sorting.new.append(incoming)
         return
@@ -161,7 +161,7 @@ def _join(ledger: Ledger, id: str, incoming: IncomingFlight, sorting: Sorting, c
             f"with its other files: {error}"
         )
         return
-    fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
+    fresh = as_held(read, flight, [one.digest for one in (*kept[1:], *new)])
     given = {name: value for name, value in (incoming.given or {}).items() if getattr(flight, name) in (None, "", ())}
     again = None if entered is None else renewed(entered, None, fresh)
     sorting.renewals.append(

@@ -10,7 +10,7 @@ from fieldkit import files
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import FIELDS, MEASURED, Flight
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
-from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.importing.read import OpenedFile, imported_files, open_file, read
 from fieldkit.importing.tables.mapping import read_choice, remembered
 from fieldkit.importing.to_flights import CheckMotor
@@ -112,7 +112,7 @@ def gather(
         notes += imported.notes
         for flight, row in zip(imported.flights, imported.rows, strict=True):
             given = _left_open(flight, how.defaults) if how.defaults else _NOTHING_GIVEN
-            others = tuple(by_digest[one] for one in flight.extra.get(OTHER_LOGS, "").split() if one in by_digest)
+            others = tuple(by_digest[one] for one in flight.origin.others if one in by_digest)
             complete = flight.with_changes(**given) if given else flight
             incoming = IncomingFlight(complete, original, name, row, given, others)
             try:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, TWO_DEVICES, Column, Flight
+from fieldkit.flight.log_origin import FORMAT, KINDS, OTHER_LOGS, PART, LogOrigin
 from fieldkit.importing import ColumnChoice
-from fieldkit.importing.companion_files import KINDS, same_moment
-from fieldkit.importing.incoming import OTHER_LOGS
+from fieldkit.importing.companion_files import same_moment
 from fieldkit.importing.read import read_stored
 from fieldkit.importing.recognize import parsers
 from fieldkit.importing.tables.mapping import remembered
@@ -17,9 +17,6 @@ from fieldkit.services.imports.within_motor import within_motor
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
-
-FIRST_FILE = ("log_format", "log_part", OTHER_LOGS)
-"""Extra columns with the parser that reads the first file, and which of its flights this is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,11 +67,11 @@ def remeasured(ledger: "Ledger", id: str) -> Remeasured | None:
     for a log that no parser reads anymore, and FieldkitError if saved choices of columns cannot be read.
     """
     flight, files = ledger.flight(id), stored_files(ledger, id)
-    if files is None or "log_format" not in flight.extra:
+    if files is None or not flight.origin.format:
         return None
     fresh = read_stored([files.log, *files.others], id, files.format, files.choices)
     entered = ledger.entered(id)
-    read = _within(as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, "")), flight)
+    read = _within(as_held(which(flight, fresh, id), flight, flight.origin.others), flight)
     kept = tuple(c.name for c in MEASURED if _stays(c, flight, entered, read))
     again = None if entered is None else renewed(entered, None, read)
     return Remeasured(id, flight, entered, renewed(flight, entered, read), again, kept)
@@ -104,17 +101,17 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
     if len(found) > 1:
         found = [one for one in fresh if same_moment(flight.date_time, one.date_time)]
     if len(found) != 1:
-        found = [one for one in fresh if one.extra.get("log_part", "") == flight.extra.get("log_part", "")]
+        found = [one for one in fresh if one.origin.part == flight.origin.part]
     if len(found) != 1:
         raise LedgerError(f"{id}: its log now holds {counted(len(fresh), 'flight')}, and none clearly matches this one")
     return found[0]
 
 
-def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
+def as_held(fresh: Flight, flight: Flight, others: Sequence[str]) -> Flight:
     """A flight as read again, with the ledger's references to its files: the first one, and the `others`."""
-    ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
-    extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
-    return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))
+    held = flight.origin
+    first = LogOrigin(held.format, held.part, others=tuple(others) or held.others)
+    return fresh.without_columns((FORMAT, PART, OTHER_LOGS)).with_columns(**first.columns())
 
 
 def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
@@ -166,7 +163,7 @@ def _open_to(column: Column, flight: Flight, was: Flight) -> bool:
 def from_files(column: Column, flight: Flight) -> bool:
     """Whether a readout was measured in a log or stated by its device."""
     value = flight.number(column.name)
-    stated = flight.extra.get(column.stated_header)
+    stated = flight.as_stated(column)
     source = flight.source.get(column.name, "")
     known = source in (*SENSORS, "stated") or (not source and column.name in flight.sd)
     return known or (not source and value is not None and stated == column.render(value))
@@ -180,5 +177,5 @@ def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight
 
 def format_of(flight: Flight) -> str | None:
     """The parser that read the first file of a flight, None if it no longer exists."""
-    known = flight.extra.get("log_format")
+    known = flight.origin.format
     return known if known in parsers() else None

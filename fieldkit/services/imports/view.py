@@ -136,9 +136,9 @@ def _readouts(flight: Flight, recorded: "Recorded | None") -> dict[str, ReadoutV
 def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded | None") -> ReadoutView:
     scale = units.unit(column.quantity, column.unit)
     sd = measured_sd(flight, column) if column in TWO_DEVICES else flight.sd.get(column.name)
-    stated = flight.extra.get(column.stated_header)
+    stated = flight.as_stated(column)
     figure = recorded.figures.get(column.name) if recorded and (sd is not None or not stated) else None
-    known = flight.source.get(column.name) or ("device" if stated or flight.extra.get("log_format") else "typed")
+    known = flight.source.get(column.name) or ("device" if stated or flight.origin.format else "typed")
     sensor = sensor_of(figure.source) if figure else known
     spread = None if sd is None else scale.from_si(sd) - scale.from_si(0)
     device = recorded.device.get(column.name) if recorded else None
@@ -146,7 +146,7 @@ def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded |
     return ReadoutView(scale.from_si(value), spread, sensor, own)
 
 
-def _number(text: str | None) -> float | None:
+def _number(text: str) -> float | None:
     try:
         return float(text) if text else None
     except ValueError:

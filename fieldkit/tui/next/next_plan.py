@@ -97,7 +97,7 @@ def plan_units(system: str) -> dict[str, str]:
 
 def further_text(plan: Flight, name: str) -> str:
     """A further column of a plan as a form shows it: with its unit."""
-    return with_unit(plan.extra.get(name, ""), FURTHER_UNITS.get(name, ""))
+    return with_unit(plan.text(name), FURTHER_UNITS.get(name, ""))
 
 
 def read_planned(name: str, text: str, unit: str) -> object:
@@ -184,8 +184,8 @@ def next_build(plan: NextPlan | PlanWithoutMass) -> Flight | None:
         return None
     now = (plan.flight.rocket, plan.flight.config)
     rocket, config = names[(names.index(now) + 1) % len(names)] if now in names else names[0]
-    extra = {name: text for name, text in plan.flight.extra.items() if name not in launch_day.OF_THE_ROCKET}
-    return plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None, extra=extra)
+    other = plan.flight.without_columns(launch_day.OF_THE_ROCKET)
+    return other.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None)
 
 
 def read_plan(resources: Resources) -> NextPlan | PlanWithoutMass | None:
@@ -243,7 +243,7 @@ def planned(values: Mapping[str, object]) -> Flight:
 def plan_texts(plan: Flight, system: str | None = None) -> dict[str, str]:
     """The answers of a plan by question: as saved in the ledger, or with numbers as in a form in the units of a
     system."""
-    texts = {q.name: plan.extra.get(q.name, "") or _answer(plan, q.name) for q in QUESTIONS}
+    texts = {q.name: plan.text(q.name) or _answer(plan, q.name) for q in QUESTIONS}
     if system is None:
         return {name: text for name, text in texts.items() if text}
     texts |= {name: further_text(plan, name) for name in launch_day.FURTHER}
