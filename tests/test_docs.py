@@ -23,7 +23,7 @@ from fieldkit.cli import main as commands
 from fieldkit.cli.formula_text import formula_text
 from fieldkit.cli.main import HOMES, app, main
 from fieldkit.errors import DamagedLog
-from fieldkit.flight import Flight
+from fieldkit.flight import Flight, columns
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.ledger import Ledger
 from fieldkit.motors.delay_tolerance import RELATIVE_DELAY_TOLERANCE
@@ -541,6 +541,23 @@ def test_the_messages_explained_in_troubleshooting_are_in_the_program() -> None:
     assert len(messages) > 8
     unknown = [one for one in messages if not any(one in part or part in one for part in parts)]
     assert unknown == of_the_shell
+
+
+def test_the_example_column_of_the_manual_is_one() -> None:
+    (example,) = re.findall(r"`(_column\(.*?\))`", PAGES["extending"])
+    column = eval(example, {"_column": columns._column})
+    assert (column.header, column.low, column.high) == ("gusts_mps", 0.0, 20.0)
+
+
+def test_names_that_extending_says_to_be_in_a_file_are_defined_there() -> None:
+    named = re.findall(r"`(\w+(?:\.\w+)?)`\s(?:of|in)\s`(fieldkit/[\w/]+\.py)`", PAGES["extending"])
+    assert len(named) >= 3
+    for name, path in named:
+        source = (ROOT / path).read_text(encoding="utf-8")
+        assert re.search(rf"^(class|def) {name.split('.')[0]}\b|^{name} ?[:=]", source, flags=re.MULTILINE), (
+            name,
+            path,
+        )
 
 
 def test_the_example_effect_of_the_manual_changes_the_reading() -> None:

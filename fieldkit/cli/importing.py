@@ -257,7 +257,13 @@ def export(
     rocket: Annotated[
         str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
     ] = None,
-    units: Annotated[str, typer.Option(metavar="[SI|US|mixed]", help="The units of a table; JSON has SI.")] = "SI",
+    units: Annotated[
+        str,
+        typer.Option(
+            metavar="[SI|US|mixed]",
+            help="The units of a table; further columns such as main_altitude_m keep theirs, JSON has SI.",
+        ),
+    ] = "SI",
     force: ForceOption = False,
 ) -> None:
     """Write flights as a table or as JSON, to import again or open in a spreadsheet."""
