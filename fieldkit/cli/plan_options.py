@@ -12,15 +12,9 @@ from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import LIFT_OFF, dry_mass
 from fieldkit.errors import LedgerError, UnknownMotor
 from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.plan import check_plan
 from fieldkit.flight.plausibility import doubts, far_from_flown, implausible
-from fieldkit.flight.recovery import (
-    RECOVERY_NAMES,
-    check_recovery,
-    rail_direction,
-    recovery_header,
-    recovery_of,
-    stability,
-)
+from fieldkit.flight.recovery import RECOVERY_NAMES, recovery_header
 from fieldkit.paths import data_file
 from fieldkit.quantities import in_system, significant
 from fieldkit.services.names import same_name
@@ -48,7 +42,6 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 
     Raises BadValue, BadParameter.
     """
-    from fieldkit.flight.further import motor_temperature
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
     from fieldkit.services.plans import completed_plan
@@ -70,7 +63,6 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     plan = plan.with_changes(**read_changes(plan, changes))
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
-        motor_temperature(plan)
     if kit:
         plan = plan.with_defaults(dry_mass=kit.dry_mass, diameter=kit.diameter)
         if plan.motor:
@@ -82,10 +74,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     plan = plan.with_columns(**typed)
     stated = plan
     plan = completed_plan(ledger, motors, plan, read_settings())
-    recovery_of(plan)
-    check_recovery(plan)
-    rail_direction(plan)
-    stability(plan)
+    check_plan(plan)
     for note in _doubts(ledger, motors, plan, given):
         complain(f"note: {note}")
     remember(ledger, motors, [stated])

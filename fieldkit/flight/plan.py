@@ -1,12 +1,20 @@
-"""What a planned flight takes from earlier flights."""
+"""A planned flight: the check of its further columns, and what it takes from an earlier flight."""
 
 from dataclasses import replace
 from datetime import timedelta
 
 from fieldkit.flight.flight import Flight
+from fieldkit.flight.further import motor_temperature
+from fieldkit.flight.recovery import check_recovery, rail_direction, recovery_of, stability
 
 STAGED_TAG = "staged"
 """The tag of a flight on several stages, whose dry mass may include boosters that another plan does not carry."""
+
+
+def check_plan(plan: Flight) -> None:
+    """Raise BadValue for a further column of a plan that has a meaning and cannot be read, or is beyond its limits."""
+    for check in (motor_temperature, recovery_of, check_recovery, rail_direction, stability):
+        check(plan)
 
 
 def repeated(flight: Flight) -> Flight:

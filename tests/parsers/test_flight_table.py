@@ -399,6 +399,20 @@ def test_the_reference_flights_are_read_completely() -> None:
     assert len(read_plans(table, "reference_flights.csv", any_motor)) == 12
 
 
+@pytest.mark.parametrize(
+    ("cells", "found"),
+    [
+        ("wind_aloft_mps", "wind aloft: found 'sideways'"),
+        ("rail_angle_deg,rail_direction", "rail_direction: found 'sideways'"),
+    ],
+)
+def test_a_plan_that_cannot_be_read_is_named_by_its_row(cells: str, found: str) -> None:
+    typed = "5,sideways" if "," in cells else "sideways"
+    table = f"flight_id,motor,{cells}\n1,C6-5,{typed.replace('sideways', '3')}\n2,C6-5,{typed}\n"
+    with pytest.raises(DamagedLog, match=f"plans.csv, row 3: {found}"):
+        read_plans(table.encode(), "plans.csv", any_motor)
+
+
 def test_columns_with_common_other_names_are_read_and_not_kept_as_extra() -> None:
     one = flight(
         "Rocket name,Engine,Wind speed (mph),Max altitude (ft),Flight duration (s),Rod_length_m,Mood",

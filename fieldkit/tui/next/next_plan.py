@@ -4,16 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
-from fieldkit.flight.further import motor_temperature
-from fieldkit.flight.recovery import (
-    RECOVERY_COLUMNS,
-    RECOVERY_TEXTS,
-    STABILITY,
-    check_recovery,
-    recovery_header,
-    recovery_of,
-    stability,
-)
+from fieldkit.flight.plan import check_plan
+from fieldkit.flight.recovery import RECOVERY_COLUMNS, RECOVERY_TEXTS, STABILITY, recovery_header
 from fieldkit.flight.short_name import has_derived_id
 from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, answer_text, read_answer
@@ -235,8 +227,7 @@ def planned(values: Mapping[str, object]) -> Flight:
     further = {name: text for name in launch_day.FURTHER if (text := str(values.get(name) or ""))}
     rest = {name: value for name, value in values.items() if name not in launch_day.FURTHER}
     plan = Flight(extra=further).with_changes(**rest)
-    for check in (motor_temperature, recovery_of, check_recovery, stability):
-        check(plan)
+    check_plan(plan)
     return plan
 
 
