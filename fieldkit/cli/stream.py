@@ -19,7 +19,7 @@ CUT_MARK = "…"
 def stream_table(headers: Sequence[str], pages: Iterable[Sequence[Sequence[str]]], numbers: Sequence[str] = ()) -> None:
     """Print a table page by page. A column is as wide as its widest text so far; it can widen but never narrows. If a
     line does not fit, the widest columns of text are cut. Columns in `numbers` are right-aligned and never cut."""
-    room = _room()
+    room = get_terminal_size().columns  # 80 without a terminal
     right = [header in numbers for header in headers]
     head = [[printable(header)] for header in headers]
     wanted = [cells(title) for (title,) in head]
@@ -39,11 +39,6 @@ def _harmless(column: Sequence[str]) -> Sequence[str]:
 
 def _widest(column: Sequence[str]) -> int:
     return max(map(len if "".join(column).isascii() else cells, column))
-
-
-def _room() -> int:
-    """Width of the terminal, 80 if there is none. [cell]"""
-    return get_terminal_size().columns
 
 
 def _fitted(wanted: Sequence[int], right: Sequence[bool], room: int) -> list[int]:

@@ -165,7 +165,7 @@ def _next_finding(
     best = [one for _, one in scored[:MAX_EVALUATED]]
     if not best:
         return None
-    plain = {one.name: rocket_message(one, base[one.name], accepted) for one in rockets}
+    plain = {one.name: rocket_message(base[one.name], accepted) for one in rockets}
     weights, gains = [], []
     for number, one in enumerate(best):
         on_progress(f"{one.effect} of {one.of}", number / len(best))
@@ -200,7 +200,7 @@ def _fit_with(one: FleetRocket, some: Sequence[SharedDifference]) -> Fit:
     return one.fit(terms) if terms else one.plain
 
 
-def rocket_message(one: FleetRocket, fit: Fit, some: Sequence[SharedDifference]) -> RocketFit:
+def rocket_message(fit: Fit, some: Sequence[SharedDifference]) -> RocketFit:
     """The information from a fit of a rocket with some candidates for the fleet, about their strengths too."""
     names = [name for each in some for name in each.names if name in fit.model.names]
     return RocketFit(fit.log_evidence, message_of(fit, names), independent_prior([fit.model], names))
@@ -216,7 +216,7 @@ def log_bayes(
     fits = dict(plain)
     for rocket in rockets:
         if one.terms(rocket.name):
-            fits[rocket.name] = rocket_message(rocket, _fit_with(rocket, [*accepted, one]), [*accepted, one])
+            fits[rocket.name] = rocket_message(_fit_with(rocket, [*accepted, one]), [*accepted, one])
     known, without = list(fits.values()), joint_evidence(list(plain.values()))
     gains = [joint_evidence(known, _with_width(known, one, width)) - without for width in PRIOR_WIDTHS]
     return float(np.logaddexp.reduce(gains) - np.log(len(PRIOR_WIDTHS)))
@@ -234,7 +234,7 @@ def strengths(
 ) -> dict[str, tuple[float, float]]:
     """Posterior mean and standard deviation of each quantity that a candidate changes, as a log ratio. [1]"""
     some = [*accepted, one]
-    known = shared_prior([rocket_message(rocket, _fit_with(rocket, some), some) for rocket in rockets])
+    known = shared_prior([rocket_message(_fit_with(rocket, some), some) for rocket in rockets])
     assert known is not None
     found = {}
     for name, quantity in zip(one.names, one.quantities, strict=True):
@@ -299,7 +299,7 @@ def log_shifts(
         seen = turns[rocket.name] < turn
         key = rocket.name, int(seen.sum()), bool(terms)
         if key not in fits:
-            fits[key] = rocket_message(rocket, rocket.fit(terms, seen), [one] if terms else [])
+            fits[key] = rocket_message(rocket.fit(terms, seen), [one] if terms else [])
         return fits[key]
 
     def forecast(turn: int, name: str, row: int, *, changed: bool) -> float:

@@ -8,23 +8,22 @@ from fieldkit.forecast.one_offs import FlightBesideOthers, beside_others
 from fieldkit.forecast.predict import Fits
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.selection.candidates import Averaged
 from fieldkit.services.forecasts import accepted_average, assumed_of, flown
 
 
 def flights_beside_others(
-    ledger: Ledger, motors: Catalogue, rocket: str, averaged: Averaged | None = None, fits: Fits | None = None
+    ledger: Ledger, motors: Catalogue, rocket: str, fits: Fits | None = None
 ) -> tuple[FlightBesideOthers, ...]:
     """The flights of a rocket that can be simulated, in the order flown; empty if there are none.
 
-    By default with the sets of effects that its forecasts use. `fits` as in `fieldkit.forecast.predict.predict`. Raises
+    With the sets of effects that its forecasts use. `fits` as in `fieldkit.forecast.predict.predict`. Raises
     BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     history = flown(ledger, motors, rocket)
     if not history:
         return ()
     flights = [flight for flight, _ in history]
-    sets = accepted_average(ledger, rocket, flights=flights) if averaged is None else averaged
+    sets = accepted_average(ledger, rocket, flights=flights)
     return beside_others(history, assumed_of(ledger, motors, rocket, flights, sets), fits=fits)
 
 

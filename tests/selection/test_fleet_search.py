@@ -82,7 +82,7 @@ def test_a_candidate_that_concerns_no_flight_with_an_apogee_does_not_change_the_
     weaker: list[FleetRocket],
 ) -> None:
     nobody = {one.name: np.zeros(len(one.model.flights), bool) for one in weaker}
-    plain = {one.name: rocket_message(one, one.plain, ()) for one in weaker}
+    plain = {one.name: rocket_message(one.plain, ()) for one in weaker}
     assert log_bayes(
         SharedDifference(("motor_thrust",), "lot", "F24", None, nobody), weaker, plain, ()
     ) == pytest.approx(0)
@@ -93,8 +93,8 @@ def test_the_evidence_of_a_candidate_with_a_vanishing_prior_is_that_of_the_plain
 ) -> None:
     one = next(one for one in fleet_differences(weaker) if one.since == date(2025, 9, 1) and "F24" in one.of)
     fits = [rocket.fit(one.terms(rocket.name, 1e-6)) for rocket in weaker]
-    with_terms = [rocket_message(rocket, fit, [one]) for rocket, fit in zip(weaker, fits, strict=True)]
-    plain = [rocket_message(rocket, rocket.plain, ()) for rocket in weaker]
+    with_terms = [rocket_message(fit, [one]) for rocket, fit in zip(weaker, fits, strict=True)]
+    plain = [rocket_message(rocket.plain, ()) for rocket in weaker]
     assert joint_evidence(with_terms) == pytest.approx(joint_evidence(plain), abs=1e-3)
 
 

@@ -43,7 +43,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
     """Download low- and high-rate data; always returns True, because only silence ends a download. Raises PortTrouble
     if the unit does not answer."""
     silence = SILENCE if wishes.silence is None else wishes.silence
-    done = _done(captured)
+    done = {str(mark.facts["done"]) for mark in captured.marks if "done" in mark.facts}
     came = bool(done)
     for place, (kind, command) in enumerate(DOWNLOADS.items()):
         link.fraction = place / len(DOWNLOADS)
@@ -58,11 +58,6 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
     if not came:
         raise PortTrouble(f"{link.line.name}: no frame in answer to download l and download h from a Blue Raven")
     return True
-
-
-def _done(captured: Captured) -> set[str]:
-    """The kinds of frames whose download is complete."""
-    return {str(mark.facts["done"]) for mark in captured.marks if "done" in mark.facts}
 
 
 def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:

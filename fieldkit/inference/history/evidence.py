@@ -29,9 +29,8 @@ class Trials:
     `log_fraction` is the candidate's part of its effect's log prior. `robust` is `log_bayes` without the flight that
     contributes most to it. `shift` has the effect of a unit of strength on the flown flights as columns, and `weighed`
     is the same times the inverse covariance at the most likely scales. `gradient` is the derivative of the log
-    likelihood with respect to the strength, at zero and the same scales. `forecast_gain` is the effect of a unit on the
-    log apogee of each plan, net of what the other terms absorb. `unit` is the value of the effect's parameter at a
-    strength of 1.
+    likelihood with respect to the strength, at zero and the same scales. `unit` is the value of the effect's parameter
+    at a strength of 1.
     """
 
     candidate: tuple[int, ...]
@@ -47,7 +46,6 @@ class Trials:
     shift: Float[Array, "entry trial"]
     weighed: Float[Array, "entry trial"]
     gradient: Float[Array, "trial"]
-    forecast_gain: Float[Array, "plan trial"]
 
     @property
     def weight(self) -> Float[Array, "trial"]:
@@ -96,10 +94,9 @@ def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
 def weigh_placed(linear: LinearFit, placed: Placed) -> Trials:
     """As `weigh`, for candidates as directions."""
     weights = _weights(linear.fit)
-    plans = len(linear.model.flights) - linear.flown
     parts = [_single(linear, weights, placed.single)] if placed.single else []
-    several = (_several(linear, weights, columns, plans) for columns in placed.several)
-    return _joined([*parts, *several], weights.usable.size, plans)
+    several = (_several(linear, weights, columns) for columns in placed.several)
+    return _joined([*parts, *several], weights.usable.size)
 
 
 def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials:
@@ -117,7 +114,6 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     own_a = (shift * weighed.reshape(shift.shape)).sum(axis=1)
     own_b = (shift * weights.weighted_residual[best][..., None]).sum(axis=1)
     without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, columns.prior)[0]
-    ahead = columns.shift(linear.moved, np.zeros(1, int))[linear.flown :, 0]
     return Trials(
         candidate=columns.number,
         family=columns.family,
@@ -132,11 +128,10 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
         shift=flat.plain,
         weighed=weighed,
         gradient=b[best],
-        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ flat.absorbed[best],
     )
 
 
-def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: int) -> Trials:
+def _several(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials:
     """A candidate with a separate strength in each of several groups; its strength is their root mean square.
 
     Its `robust` evidence leaves out no flight, bounds are ignored, and it does not change the forecasts of plans.
@@ -165,11 +160,10 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
         shift=(flat.plain @ along)[:, None],
         weighed=(own.weighed(flat, weights.best) @ along)[:, None],
         gradient=np.array([b[weights.best] @ along]),
-        forecast_gain=np.zeros((plans, 1)),
     )
 
 
-def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
+def _joined(parts: Sequence[Trials], entries: int) -> Trials:
     """All trials in one."""
 
     def column(name: str, *shape: int) -> Array:
@@ -182,7 +176,6 @@ def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
         **{name: column(name) for name in _NUMBERS},
         shift=column("shift", entries),
         weighed=column("weighed", entries),
-        forecast_gain=column("forecast_gain", plans),
     )
 
 

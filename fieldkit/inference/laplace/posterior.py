@@ -57,11 +57,9 @@ def _powers(model: Model) -> Float[Array, "term"]:
     return np.array([power(term.name.quantity, term.name.level) for term in model.terms])
 
 
-def prior_precision(
-    model: Model, which: Int[Integers, "scale"] | None = None
-) -> tuple[Float[Array, "scale term term"], Float[Array, "scale"]]:
-    """Prior precision of the terms for every pair of scales, or for `which` of them, and the log of its determinant."""
-    sds = term_sds(model) if which is None else term_sds(model)[which]
+def prior_precision(model: Model) -> tuple[Float[Array, "scale term term"], Float[Array, "scale"]]:
+    """Prior precision of the terms for every pair of scales, and the log of its determinant."""
+    sds = term_sds(model)
     precision = np.zeros((*sds.shape, sds.shape[-1]))
     diagonal = np.arange(sds.shape[-1])
     precision[:, diagonal, diagonal] = 1 / sds**2

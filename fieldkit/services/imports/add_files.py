@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime, time
 from math import hypot
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import BY_NAME, Flight
@@ -40,10 +39,6 @@ from fieldkit.services.plausible_flights import (
     named_flights,
     outlying,
 )
-
-if TYPE_CHECKING:
-    pass
-
 
 SAME_HEIGHT = 0.01
 """Two files of one flight agree on its apogee within this fraction of it, plus their uncertainties. [1]"""

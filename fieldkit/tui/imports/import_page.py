@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from os.path import isdir
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -60,9 +60,6 @@ from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
-
-if TYPE_CHECKING:
-    pass
 
 
 class FilePanel(Vertical):
