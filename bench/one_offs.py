@@ -55,8 +55,6 @@ DEVICE = (0.0, 0.04, 0.04, 0.1, 0.03, 0.1)
 """Bias of a device in each, as a standard deviation over devices."""
 TAIL = 3
 """Degrees of freedom of the noise. [1]"""
-ORACLE_DRAWS = 40
-"""Usual flights from which a fit that knows the truth knows their scatter. [1]"""
 MIN_DECIDED = 0.9
 """Probability of the true cause from which an exact fit could decide. [1]"""
 HEALTHY = "healthy"

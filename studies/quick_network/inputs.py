@@ -46,8 +46,6 @@ MAX_ODDS = 15.0
 """Limit of log odds in the inputs. [nat]"""
 PER_EFFECT = 8
 """Closed-form inputs of every effect."""
-FORECAST = ("mean", "sd", "reference")
-"""Moments of the plan's log apogee in the linear pass, and its simulation at the reference drag."""
 
 
 @dataclass(frozen=True, slots=True)

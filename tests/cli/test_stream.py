@@ -33,7 +33,7 @@ def test_a_streamed_document_equals_what_json_dumps_writes(documents: list[dict[
 def test_columns_grow_and_no_cell_is_cut_if_there_is_room(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stream, "_room", lambda: 40)
+    monkeypatch.setenv("COLUMNS", "40")
     pages = [[("1", "Astra", "1 m")], [("2", "A much longer name 火箭", "10.5 m")], [("3", "", "2 m")]]
     stream.stream_table(("id", "rocket", "apogee"), pages, numbers=["apogee"])
     assert capsys.readouterr().out.splitlines() == [
@@ -47,7 +47,7 @@ def test_columns_grow_and_no_cell_is_cut_if_there_is_room(
 def test_in_a_narrow_terminal_the_widest_texts_are_cut(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stream, "_room", lambda: 24)
+    monkeypatch.setenv("COLUMNS", "24")
     stream.stream_table(("id", "rocket", "apogee"), [[("1", "A much longer name \x1b[2J火箭", "10.5 m")]], ["apogee"])
     lines = capsys.readouterr().out.splitlines()
     assert max(map(stream.cells, lines)) <= 24

@@ -10,9 +10,6 @@ from tools.samples.writing import noise, text
 STATES = ["startup", "idle", "pad", "boost", "fast", "coast", "drogue", "main", "landed"]
 
 
-SATS = ",".join(f"sat{i:02}" for i in range(1, 33))
-
-
 def altos_rows(seen: Flight, *, call: str, version: int, clock: bool) -> Iterator[tuple[str, str, np.void]]:
     """Cells of each row: up to the state, and measured values."""
     pressure = np.round(seen.pressure + noise(4, len(seen.time), 3.0))
