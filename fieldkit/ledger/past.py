@@ -1,6 +1,7 @@
 """The state of the ledger before a flight was added: reads the journal backward in memory and changes nothing."""
 
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from sqlalchemy import Connection, Table, select
@@ -10,24 +11,24 @@ from fieldkit.ledger.checksums import sound_flights, sound_rows
 from fieldkit.ledger.journal import Image
 from fieldkit.ledger.records import Past
 from fieldkit.ledger.rows import Row, flight_of
-from fieldkit.ledger.tables import active_versions, flights, journal, metadata, tags
+from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, active_versions, flights, journal, metadata, tags
 
 TableRows = dict[str, dict[tuple[Any, ...], Row]]
 """The rows of each table by their primary key."""
 
 
 def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
-    """The state of each flight's rocket just before the flight was added; the current state if it never was."""
-    changes = list(_changes(connection))
-    changes_by_entry = _incoming_flights(changes)
-    rows = _rows(connection)
-    entries = {(row["rocket"], row["flight_id"]): row["entry"] for row in rows["flights"].values()}
-    moments = {n: changes_by_entry.get(entries.get((one.rocket, one.flight_id), 0)) for n, one in enumerate(wanted)}
-    found = {n: _past(rows, wanted[n].rocket) for n, moment in moments.items() if moment is None}
-    latest_first = sorted((moment, n) for n, moment in moments.items() if moment is not None)
-    for number, images, _ in reversed(changes):
-        if not latest_first:
-            break
+    """The state of each flight's rocket just before the flight was added; the current state if it never was.
+
+    Reads only the changes since then, and the rows that they or these rockets have: of 100,000 flights most are old.
+    """
+    entries = [_entry(connection, one) for one in wanted]
+    changes = _Changes(connection)
+    moments = changes.added(entry for entry in entries if entry is not None)
+    rows = _rows(connection, {one.rocket for one in wanted}, changes.read)
+    latest_first = sorted((moments[entry], n) for n, entry in enumerate(entries) if entry in moments)
+    found = {n: _past(rows, wanted[n].rocket) for n, entry in enumerate(entries) if entry not in moments}
+    for number, images in changes.read:
         for image in reversed(images):
             _apply(rows, image.swapped())
         while latest_first and latest_first[-1][0] == number:
@@ -36,42 +37,74 @@ def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
     return [found[n] for n in range(len(wanted))]
 
 
-def _changes(connection: Connection) -> Iterator[tuple[int, list[Image], int | None]]:
-    """The images of every journal entry and the change that it undoes, if any, oldest first; an undo has the images of
-    its target, reversed."""
-    known: dict[int, list[Image]] = {}
-    for row in sound_rows(connection, select(journal).order_by(journal.c.number)):
-        number, target = row["number"], row["target"]
-        if target is None:
-            known[number] = [Image(*image) for image in row["images"]]
-            yield number, known[number], None
-        elif row["command"] == "undo":
-            yield number, [image.swapped() for image in reversed(known[target])], target
-        else:
-            yield number, known[target], None
+def _entry(connection: Connection, flight: Flight) -> int | None:
+    """The entry number of a flight in the ledger."""
+    names = flights.c.rocket == flight.rocket, flights.c.flight_id == flight.flight_id
+    entry: int | None = connection.scalar(select(flights.c.entry).where(*names))
+    return entry
 
 
-def _incoming_flights(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dict[int, int]:
-    """The change that last added each flight, by entry number; undoing a removal does not count."""
-    changes_by_entry: dict[int, int] = {}
-    removed: dict[tuple[int, int], int] = {}
-    for number, images, undoes in changes:
-        for image in images:
-            if image.table != "flights":
-                continue
-            if image.before is None and image.after:
-                entry = image.after["entry"]
-                changes_by_entry[entry] = number if undoes is None else removed.get((undoes, entry), number)
-            elif image.after is None and image.before:
-                entry = image.before["entry"]
-                removed[number, entry] = changes_by_entry.get(entry, number)
-    return changes_by_entry
+class _Changes:
+    """The changes in the journal, the latest first; `read` has those read so far, each with its images."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self.read: list[tuple[int, list[Image]]] = []
+
+    def added(self, entries: Iterable[int]) -> dict[int, int]:
+        """The change that last added each of these flights, by entry number, as far as there is one; undoing a removal
+        does not count."""
+        before = dict.fromkeys(entries, sys.maxsize)  # the change that added an entry has a lower number than this
+        found: dict[int, int] = {}
+        every = select(journal.c.number, journal.c.command, journal.c.target).order_by(journal.c.number.desc())
+        for number, command, target in self._connection.execute(every).all() if before else ():
+            images = self._images(number if target is None else target)
+            self.read.append((number, _swapped(images) if command == "undo" else images))
+            for entry in _entries(self.read[-1][1], added=True) & before.keys():
+                if number < before[entry]:
+                    if target is not None and entry in _entries(images, added=False):
+                        before[entry] = target
+                    else:
+                        found[entry] = number
+                        del before[entry]
+            if not before:
+                break
+        return found
+
+    def _images(self, number: int) -> list[Image]:
+        """The images of a change that is not an undo or a redo."""
+        (row,) = sound_rows(self._connection, select(journal).where(journal.c.number == number))
+        return [Image(*image) for image in row["images"]]
 
 
-def _rows(connection: Connection) -> TableRows:
+def _swapped(images: Sequence[Image]) -> list[Image]:
+    return [image.swapped() for image in reversed(images)]
+
+
+def _entries(images: Iterable[Image], *, added: bool) -> set[int]:
+    """The entry numbers of the flights that a change adds, or removes."""
+    own = (one if added else one.swapped() for one in images if one.table == flights.name)
+    return {one.after["entry"] for one in own if one.before is None and one.after}
+
+
+def _rows(
+    connection: Connection, rockets: Collection[str], changes: Iterable[tuple[int, Iterable[Image]]]
+) -> TableRows:
+    """The present rows of some rockets, and those that changes touch."""
+    images = [image for _, some in changes for image in some if image.table in (flights.name, tags.name)]
+    touched = {row["entry"] for image in images for row in (image.before, image.after) if row}
+    own = set(connection.scalars(select(flights.c.entry).where(flights.c.rocket.in_(rockets))))
+    entries = sorted(touched | own)
+    some = [entries[start : start + MAX_ROWS_BY_NAME] for start in range(0, len(entries), MAX_ROWS_BY_NAME)]
     tables: dict[Table, list[Row]] = {
-        flights: sound_flights(connection, select(flights)),
-        tags: list(map(dict, connection.execute(select(tags)).mappings())),
+        flights: [
+            row for part in some for row in sound_flights(connection, select(flights).where(flights.c.entry.in_(part)))
+        ],
+        tags: [
+            dict(row)
+            for part in some
+            for row in connection.execute(select(tags).where(tags.c.entry.in_(part))).mappings()
+        ],
         active_versions: sound_rows(connection, select(active_versions)),
     }
     return {table.name: {_key(table.name, row): row for row in rows} for table, rows in tables.items()}
