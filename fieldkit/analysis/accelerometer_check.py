@@ -65,6 +65,8 @@ _ANOTHER_CLOCK, _DELAYS = 0.1, np.arange(-0.12, 0.13, 0.04)
 """Probability that heights and acceleration have different clocks [1], and delays to try around the best one [s]."""
 _MIN_LAG = 0.04
 """Smallest lag that is removed; less is an error of times. [s]"""
+_ONE_STEP = float(np.log(4))
+"""Time from 20% to 80% of a step behind a first-order filter, in its time constants. [1]"""
 _MAX_SHIFT, _STEP = 1.5, 0.02
 """Range of clock shifts to try, and the step. [s]"""
 _SCALE, _RAM, _HEIGHT_ERROR = 0.3, 0.05, 0.01
@@ -116,7 +118,7 @@ class Agreement:
     def keeps_time(self) -> bool:
         """Whether only the scale differs: the climb has the right shape at the right time, so that its clock shows
         lift-off and burnout."""
-        return self.scale > 0 and self.misfit < _MAX_MISFIT and not self.is_off and not self.derived
+        return self.scale > 0 and self.misfit < _MAX_MISFIT and not (self.is_off or self.derived or self.is_smoothed)
 
     @property
     def is_off(self) -> bool:
@@ -128,9 +130,9 @@ class Agreement:
 
     @property
     def is_smoothed(self) -> bool:
-        """Whether a derived channel rises at lift-off more slowly than its boost allows. A filter that looks ahead, as
-        exporting programs have, smooths without delay."""
-        return self.derived and self.onset > self._most_blur + self.step
+        """Whether a channel rises at lift-off more slowly than its boost allows. A filter that looks ahead, as programs
+        that export have, smooths without delay; an accelerometer that is slow and on time felt a slow thrust."""
+        return (self.onset - self.step if self.derived else self.blur) > self._most_blur
 
     @property
     def _most_blur(self) -> float:
@@ -138,8 +140,11 @@ class Agreement:
 
     @property
     def blur(self) -> float:
-        """Time over which the filter of a derived channel spreads a change of thrust. [s]"""
-        return max(self.late - self.step / 2, self.onset - self.step, 0.0) if self.derived else 0.0
+        """Time over which the filter of a channel spreads a change of thrust: its delay or its rise at lift-off, and of
+        an accelerometer, which thrust may delay or heights precede, the shorter of both. [s]"""
+        if self.derived:
+            return max(self.late - self.step / 2, self.onset - self.step, 0.0)
+        return max(min(self.late, self.onset - self.step / _ONE_STEP), 0.0)
 
     @property
     def why(self) -> str:
@@ -147,7 +152,8 @@ class Agreement:
         if self.is_off:
             return f"is {abs(self.late):.1f} s {'late' if self.late > 0 else 'early'}"
         if self.is_smoothed:
-            return f"was computed and smoothed over about {self.onset:.1f} s"
+            slow = f"was computed and smoothed over about {self.onset:.1f} s"
+            return slow if self.derived else f"is behind a filter of about {self.blur:.2f} s"
         return f"gives {100 / self.scale:.0f}% of the climb that the heights show"
 
 
@@ -203,7 +209,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
             best = int(np.argmin(costs))
     late, (_, misfit, scale, missed, sd) = float(shifts[best]), found[best]
     derived, boost = _is_derived(push, seen), seen.fastest - lift.time
-    onset = _onset(time, net, lift.time, seen.fastest) if derived else 0.0
+    onset = _onset(time, net, lift.time, seen.fastest) if full is None or derived else 0.0
     filtered, lag, lag_sd, scale_sd = 0.0, 0.0, 0.0, 0.0
     if full is None:
         even = np.arange(time[0], time[-1], _STEP)
@@ -272,7 +278,7 @@ def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, f
     strong = float(np.quantile(boost, 0.6))
     risen = int(np.argmax((net >= 0.8 * strong) & (time > lift - _MAX_SHIFT)))
     low = np.flatnonzero(net[:risen] < 0.2 * strong)
-    return float(time[risen] - time[low[-1]]) / float(np.log(4)) if low.size else np.inf
+    return float(time[risen] - time[low[-1]]) / _ONE_STEP if low.size else np.inf
 
 
 def unchecked(push: Push, seen: Outline, lift: Event | None) -> bool:

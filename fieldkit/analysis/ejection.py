@@ -27,6 +27,8 @@ _FREE_FALL = 0.55
 """Least mean acceleration of a fall that nothing brakes but the air around the rocket, as a fraction of gravity. [1]"""
 _FALL_WINDOW = 0.8
 """Time over which the speed of a fall is taken. [s]"""
+_LEVEL_TIME, _SEEN_FALL = 0.3, 5.0
+"""Time over which heights show where a fall began and ended [s], and the least difference that shows a free one [m]."""
 _LEAST_BRAKING = 4.0
 """Least of the strongest braking by a parachute that opens, as a multiple of gravity. [1]"""
 _HOLE = 3.5
@@ -69,8 +71,21 @@ def ejection(
         if name in stated and (landed is None or stated[name] < landed.time):
             return Event(float(stated[name]), 0.1, f"{name} event of the logger")
     if shocks and (landed is None or shocks.time < landed.time - 3 * landed.sd):
-        return shocks
+        return None if _hangs(track, apogee, shocks) else shocks
     return _braked(track, apogee, landed.time - 1 if landed else np.inf)
+
+
+def _hangs(track: Heights, apogee: Event, shocks: Event) -> bool:
+    """Whether a rocket fell so slowly before its first shock that it hung from a parachute, whose charge was not felt:
+    it is over between two samples."""
+    falls = shocks.time - apogee.time - apogee.sd
+    just = (track.time > shocks.time - _LEVEL_TIME) & (track.time <= shocks.time)
+    high = np.abs(track.time - apogee.time) < _LEVEL_TIME
+    if falls <= 0 or not just.any() or not high.any():
+        return False
+    fell = float(np.median(track.height[high]) - np.median(track.height[just]))
+    freely = _FREE_FALL * GRAVITY * max(falls - _LEVEL_TIME / 2, 0.0) ** 2 / 2
+    return fell < freely - max(_SEEN_FALL, 3 * track.noise)
 
 
 def _braked(track: Heights, apogee: Event, down: float) -> Event | None:

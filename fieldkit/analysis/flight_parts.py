@@ -38,9 +38,11 @@ from fieldkit.analysis.robust_statistics import hole_at, median_step
 from fieldkit.analysis.unseen_top import accelerates, apogee_after_end, silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.messages import amount, message
-from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.shapes import Array, Float
 
+_COAST_BEGINS = 0.5
+"""Time after burnout that shows how fast a coast begins to slow down. [s]"""
 _STEP_REACH = 0.5
 """How long after the top speed of a curve a step of the heights may be that causes that speed. [s]"""
 _BLIND_PART = 0.75
@@ -208,7 +210,9 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
     if log.track.is_barometric and lift.source == log.track.source and burnout.time > lift.time:
         lead = hidden_lead(speed.value, burnout.time - lift.time, log.track.noise, lift.sd)
         lift = replace(lift, sd=max(lift.sd, lead))
-    burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur))) if felt else burnout
+    if felt:
+        speed = replace(speed, sd=float(np.hypot(speed.sd, felt.blur * _slowing(log.ascent, burnout.time))))
+        burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur)))
     if felt is not None and not log.compared:
         speed = _doubted(speed, felt, lift.time, burnout.time)
     if felt is not None and felt.full is not None and not log.slanted:
@@ -216,6 +220,13 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
         speed = _with_coast(speed, felt, log.ascent, burnout.time, min(end, charge.time) if charge else end)
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
     return lift, _FlightPart({"burnout": burnout}, figures, notes)
+
+
+def _slowing(ascent: Ascent, burnout: float) -> float:
+    """Deceleration at the beginning of the coast, in which a filter sees thrust fade; gravity if it is not seen. [s],
+    [m/s^2]"""
+    begins = (ascent.time > burnout) & (ascent.time < burnout + _COAST_BEGINS)
+    return max(-float(np.median(ascent.acceleration[begins])), GRAVITY) if begins.any() else GRAVITY
 
 
 def _doubted(speed: Figure, push: Push, begin: float, burnout: float) -> Figure:

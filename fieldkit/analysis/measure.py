@@ -276,7 +276,9 @@ def _slanted(
     found: Agreement | None, track: Heights, push: Push, seen: Outline, rise: Event | None
 ) -> SlantedFlight | None:
     """The tilted climb that an accelerometer shows if it disagrees with the heights; None if there is none."""
-    return None if found is None or found.derived or rise is None else slanted_flight(track, push, seen, rise)
+    if found is None or found.derived or found.is_smoothed or rise is None:
+        return None
+    return slanted_flight(track, push, seen, rise)
 
 
 def _agreement(track: Heights, push: Push, seen: Outline, rise: Event | None, full: Flags | None) -> Agreement | None:

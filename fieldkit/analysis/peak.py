@@ -47,6 +47,8 @@ _MAX_LATE_START = 0.05
 _SPARSE_INTERVAL = 0.7
 """In a log too sparse for three samples in the averaging window, the peak lies between their mean and a single sample;
 at intervals above this fraction of it, not even there. [1]"""
+_MEANS = float(np.sqrt(12))
+"""Length of the mean that spreads a change as widely as a first-order filter of a time constant. [1]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
 _FAST_FRACTION = 0.5
@@ -97,12 +99,13 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     """Peak of an accelerometer's readings in the boost; None if it is not above their error.
 
     Its scale error is about as large as the difference between its climb and that of the heights, which have errors of
-    their own. A filter lowers the peak by about as large a fraction as its delay is of the boost.
+    their own. A filter shows means, beyond which the peak is as far as that of motors in the catalog.
     """
     value, coarse = _highest(net, median_step(time))
+    ratio, spread = _beyond_window(_MEANS * push.blur / max(float(np.ptp(time)), PEAK_WINDOW))
+    value, blurred = value + (ratio - 1) * (value + GRAVITY), spread * (value + GRAVITY)
     scale = np.hypot(_SCALE, (push.scale - 1) / 2)
-    blurred = push.blur / max(float(np.ptp(time)), PEAK_WINDOW)
-    sd = np.sqrt((scale * value) ** 2 + (blurred * value) ** 2 + 0.5**2 + coarse**2)
+    sd = np.sqrt((scale * value) ** 2 + blurred**2 + 0.5**2 + coarse**2)
     return Figure(value, float(sd), push.source) if value > 2 * sd else None
 
 
@@ -150,14 +153,19 @@ def _smoothed_peak(
     draws = ascent.accelerations[:, inside][:, hardest].mean(axis=1)
     if curve <= 0 or starts_late:
         return by_mean
-    parts, ratios, sds = np.array(BEYOND_WINDOW).T
-    beyond = tuple(float(np.interp(window / burn, parts, one)) for one in (ratios, sds))
+    beyond = _beyond_window(window / burn)
     shared = mean.sd / mean.value  # an error of the mean is also an error of the peak
     error = float(np.hypot(draws.std(), shared * curve))
     peak = _beyond(Figure(curve, error, mean.source), beyond, float(drag * np.mean(speed[hardest] ** 2)))
     if abs(np.log(peak.value / by_mean.value)) > 2 * np.hypot(peak.sd / peak.value, by_mean.sd / by_mean.value):
         return by_mean
     return peak
+
+
+def _beyond_window(part: float) -> tuple[float, float]:
+    """Peak thrust divided by the highest mean over a part of the burn, and the standard deviation. [1]"""
+    parts, ratios, sds = np.array(((0.0, 1.0, 0.0), *BEYOND_WINDOW)).T
+    return float(np.interp(part, parts, ratios)), float(np.interp(part, parts, sds))
 
 
 def _hardest(net: Float[Array, "time"], count: int) -> Int[Integers, "_"]:

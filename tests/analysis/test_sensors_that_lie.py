@@ -748,6 +748,30 @@ def test_what_a_sensor_returns_before_it_works_is_no_pad(name: str, count: int, 
     assert not misses(recorded, truth, "apogee", "time_to_apogee", sds=4.0)
 
 
+@pytest.mark.parametrize("lag", [0.05, 0.1, 0.2, 0.3])
+@pytest.mark.parametrize("rate", [25.0, 100.0])
+def test_an_accelerometer_behind_a_filter_moves_no_burnout(lag: float, rate: float) -> None:
+    """Its figures are uncertain by the filter, or from the heights alone with a note."""
+    truth = flown(SMALL)
+    series, push = recording(truth, accelerometer=rate)
+    assert push.felt is not None
+    recorded = measure((series, replace(push, felt=GRAVITY + delayed(push.felt - GRAVITY, 1 / rate, lag))))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "avg_accel", "peak_accel")
+    assert lag < 0.2 or any("it is not used" in note for note in recorded.notes)
+
+
+def test_a_shock_under_a_parachute_is_no_ejection() -> None:
+    """The charge was over between two samples, and a line went taut seconds later."""
+    truth = flown(replace(SMALL, delay=8.3))
+    series, push = recording(truth, accelerometer=25.0)
+    assert push.felt is not None
+    late = truth.readouts()["time_to_apogee"] + 3.5
+    quiet = np.where((push.time > truth.burnout + 0.7) & (push.time < late), np.minimum(push.felt, GRAVITY), push.felt)
+    felt = np.where(np.abs(push.time - late) < 0.021, 150.0, quiet)
+    recorded = measure((series, replace(push, felt=felt)))
+    assert "apogee_to_eject" not in recorded.figures or not misses(recorded, truth, "apogee_to_eject")
+
+
 def test_heights_that_a_coarse_sensor_holds_are_not_what_it_returns_before_it_works() -> None:
     time = np.arange(0.0, 20.0, 0.05)
     drifts = np.where(time < 3.0, 0.0, 40.0) + 40.0 * np.floor(np.interp(time, [8.0, 12.0, 18.0], [0.0, 5.0, 0.0]))

@@ -1,6 +1,7 @@
 """Tables of samples with the columns that loggers, apps, spreadsheets and people give them, each of a known flight."""
 
 import gzip
+import json
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -339,3 +340,20 @@ def test_zeros_of_a_receiver_before_its_fix_are_no_pad() -> None:
     heights = np.where(TIME < -1.5, 0.0, SEEN + PAD)
     position = text(np.where(TIME < -1.5, 0.0, 47.1), "{:.1f}"), text(np.where(TIME < -1.5, 0.0, 8.2), "{:.1f}")
     assert apogee(table("millis,Lat,Lon,Alt (m)", 1000 * TIME, *position, heights)) == pytest.approx(APOGEE, rel=0.02)
+
+
+def test_the_time_since_the_logger_was_switched_on_is_a_clock() -> None:
+    assert apogee(table("uptime_ms,alt_m", 1000 * TIME + 5e6, SEEN)) == pytest.approx(APOGEE, rel=0.01)
+
+
+def test_objects_whose_first_value_is_named_after_the_unit_of_a_clock_are_samples() -> None:
+    records = [{"ms": f"{1000 * t:.0f}", "alt": f"{h:.2f}"} for t, h in zip(TIME.tolist(), SEEN.tolist(), strict=True)]
+    assert apogee(json.dumps({"log": records}).encode()) == pytest.approx(APOGEE, rel=0.01)
+
+
+@pytest.mark.parametrize("mark", ["ovf", "ERR", "invalid"])
+def test_what_a_sketch_prints_instead_of_a_number_costs_no_row(mark: str) -> None:
+    heights = [mark if place % 50 == 9 else f"{one:.2f}" for place, one in enumerate(SEEN.tolist())]
+    imported = opened(table("time (s),altitude (m),temp (C)", TIME, heights, 21 + 0 * TIME))
+    assert imported.flights[0].apogee == pytest.approx(APOGEE, rel=0.01)
+    assert not any("expected a number" in str(note) for note in (*imported.notes, *imported.rejected))

@@ -9,8 +9,8 @@ from fieldkit.units import Unit
 
 MAX_CELL_VALUE = 1e30
 """Largest magnitude accepted in a log; anything larger would overflow when squared. [any unit]"""
-ABSENT_MARKS = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
-"""Contents of a cell, ignoring case, when the logger had no number."""
+ABSENT_MARKS = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na", "ovf", "err", "error", "invalid"})
+"""Contents of a cell, ignoring case, when the logger had no number; Arduino prints `ovf` for one too large."""
 SI = Unit(1.0)
 
 

@@ -11,6 +11,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import ColumnChoice, is_exclusion
 from fieldkit.importing.tables.columns import LogTable
 from fieldkit.importing.tables.headings import (
+    CLOCK_UNITS,
     QUANTITIES,
     Heading,
     barometric,
@@ -97,10 +98,6 @@ class Pick:
     def counts_rows(self) -> bool:
         """Whether it is no column, but the number of each row."""
         return self.place == NO_COLUMN
-
-
-_CLOCK_UNITS = (("ms",), ("us",), ("s",))
-"""Names of a first column that is a clock if the table has no other: the unit of its times."""
 
 
 def side_by_side(layout: Layout) -> list[range]:
@@ -198,7 +195,7 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
     clocks = [i for i in free if _clock_unit("time", "", layout, i) == "clock"]
     barometers = [i for i in free if is_pressure(heads[i])]
     found = [Pick("time", clocks[0], heads[clocks[0]].spelled, "clock")] if clocks and "time" not in named else []
-    if not (found or named & {"time"}) and 0 in heads and heads[0].words in _CLOCK_UNITS:
+    if not (found or named & {"time"}) and 0 in heads and heads[0].words in CLOCK_UNITS:
         found = [Pick("time", 0, heads[0].spelled, heads[0].words[0])]
     if not (found or named & {"time"}):
         receivers = [(place, head) for place, head in heads.items() if is_receiver_clock(head)]

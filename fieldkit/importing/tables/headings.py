@@ -42,6 +42,8 @@ QUANTITIES: Mapping[str, str] = {
 }
 """Channels of `Series`, and the three axes of an accelerometer, with the quantity that determines their units."""
 
+CLOCK_UNITS = (("ms",), ("us",), ("s",))
+"""Names of a first column that is a clock if the table has no other: the unit of its times."""
 DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 """Latitude and longitude are in degrees unless another unit is given."""
 

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
-from fieldkit.importing.tables.headings import QUANTITIES, channel, heading, unit_named
+from fieldkit.importing.tables.headings import CLOCK_UNITS, QUANTITIES, channel, heading, unit_named
 from fieldkit.importing.tables.text import MAX_TABLE_SIZE, blocks, first_lines
 
 _PAIR = re.compile(
@@ -51,6 +51,7 @@ def labeled_table(log: bytes) -> bytes | None:
     whole = head.rpartition(b"\n")[0] if len(log) > _HEAD_SIZE else head  # half a label may look like a unit
     first = list(_records(whole or head, units))
     timed = [name for name in units if channel(heading(name)) == "time"]
+    timed = timed or [name for name in list(units)[:1] if heading(name).words in CLOCK_UNITS]
     names = [name for name in units if name != _STAMP_NAME or timed == [_STAMP_NAME]]
     with_time = sum(any(name in record for name in timed) for record in first)
     if len(first) < _MIN_RECORDS or len(names) < 2 or with_time < _MIN_LABELED * len(first):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.tables.cell import is_grouped
+from fieldkit.importing.tables.cell import ABSENT_MARKS, is_grouped
 from fieldkit.importing.tables.headings import channel, heading, unit_named
 from fieldkit.importing.tables.text import encoding_of
 from fieldkit.safe_text import whole_number
@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*na
 _CLOCK = re.compile(r"\d:\d\d")
 _WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*([A-Za-z°%][A-Za-z°%/²]{0,4})\s*")
 """A number with its unit in the cell, such as `57.6F` or `12.3 m/s`."""
-_ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
+_ABSENT_MARKS = ABSENT_MARKS | {"inf", "true", "false"}
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMALS = {mark: re.compile(rf"\s*[+-]?\d*[{mark}]\d+([eE][+-]?\d+)?\s*") for mark in ",."}
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}[,.]\d{3}\s*")
