@@ -20,14 +20,14 @@ class Prediction:
     """The forecast of a planned flight: draws of the apogee and of other figures. SI.
 
     `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from apogee to
-    the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of the plan,
-    `drift` and `across` are the positions of the apogee downwind and to the right of that, and `drift_speed` and
-    `across_speed` the velocity there. `cd` and `alpha` are the drag coefficient and thrust factor, and `random_draws`
-    the scatter of single flights by cause. `rests_on` counts the flights in the model's fit,
-    and `heaviest_motor` is the largest loaded mass of a motor flown so far [kg]. `stretched_by` is the
-    factor on the width of both apogees from the results of `earlier_forecasts`, 1 if there are too few of them.
-    `mixed_with` has the weight of each simpler method in the apogee, empty for the model alone. [1] `left_out` has a
-    line for each flight that was not used, and for each outlier readout.
+    the ejection charge (nan without a delay), `cut_short` by how much a charge before apogee shortens the climb,
+    `duration` from lift-off to landing under the parachute of the plan, `drift` and `across` are the positions of the
+    apogee downwind and to the right of that, and `drift_speed` and `across_speed` the velocity there. `cd` and `alpha`
+    are the drag coefficient and thrust factor, and `random_draws` the scatter of single flights by cause. `rests_on`
+    counts the flights in the model's fit, and `heaviest_motor` is the largest loaded mass of a motor flown so far [kg].
+    `stretched_by` is the factor on the width of both apogees from the results of `earlier_forecasts`, 1 if there are
+    too few of them. `mixed_with` has the weight of each simpler method in the apogee, empty for the model alone. [1]
+    `left_out` has a line for each flight that was not used, and for each outlier readout.
     """
 
     plan: Flight
@@ -54,6 +54,7 @@ class Prediction:
     mixed_with: Mapping[str, float] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     across: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
+    cut_short: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
     drift_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
     across_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
 
@@ -109,9 +110,14 @@ class Prediction:
         return scatter, logs - scatter
 
     @property
+    def after_apogee(self) -> Float[Array, "draw"]:
+        """Time from the apogee that is reached without a charge to the charge; nan without a delay. [s]"""
+        return self.eject - self.cut_short
+
+    @property
     def median_eject(self) -> float | None:
-        """Median time from apogee to the ejection charge; None without a delay. [s]"""
-        return median(self.eject)
+        """Median of `after_apogee`; None without a delay. [s]"""
+        return median(self.after_apogee)
 
     @property
     def stays_on_rail(self) -> bool:

@@ -31,7 +31,17 @@ from fieldkit.shapes import Array, Flags, Float
 
 HEIGHT_SENSORS = ("baro", "gps")
 """Sensors of heights: a top speed from one is a climb rate."""
-EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across", "drift_speed", "across_speed")
+EXTRAS = (
+    "rail_speed",
+    "eject_speed",
+    "coast_time",
+    "rise_time",
+    "cut_short",
+    "drift",
+    "across",
+    "drift_speed",
+    "across_speed",
+)
 """Figures of a flight that a plan needs and the altimeter does not show."""
 REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
 """Unit of the scatter in launch angle. [rad]"""

@@ -29,7 +29,8 @@ SPEED_STEP = 12.0
 class Apogee:
     """Apogee, one entry per draw: time, height, and distance and speed downwind and crosswind. SI units.
 
-    `eject_height` is the height at which the ejection charge fired if it fired before apogee, else nan.
+    `eject_height` is the height at which the ejection charge fired if it fired before apogee, else nan. `cut_short` is
+    how much longer the climb would have been without that charge, 0 for one after apogee.
     """
 
     time: Float[Array, "draw"]
@@ -40,6 +41,7 @@ class Apogee:
     sideways_across: Float[Array, "draw"]
     eject_height: Float[Array, "draw"]
     eject_speed: Float[Array, "draw"]
+    cut_short: Float[Array, "draw"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +89,17 @@ def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *,
     if fell.any():
         height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
         time = np.where(fell, track.highest_time, time)
-    return Apogee(time, height, last.drift, last.across, last.sideways, last.sideways_across, charge[0], charge[1])
+    return Apogee(
+        time,
+        height,
+        last.drift,
+        last.across,
+        last.sideways,
+        last.sideways_across,
+        charge[0],
+        charge[1],
+        np.where(early & ~fell, last.time - time, 0.0),
+    )
 
 
 def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point]:

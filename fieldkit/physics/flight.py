@@ -115,6 +115,7 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
         "drift_speed": top.sideways,
         "across_speed": top.sideways_across,
         "rise_time": top.time - start,
+        "cut_short": top.cut_short,
         "coast_time": top.time - setup.burns.burnout[setup.motor] * setup.burn_stretch,
     }
     grounded = {name: np.where(lifted, value, 0.0) for name, value in values.items()}

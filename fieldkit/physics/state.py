@@ -147,7 +147,8 @@ class FlightResult:
     burnout. `burn_time` is from lift-off to top speed, as the altimeter defines it; accelerations are net of gravity.
     `drift` is the downwind distance of the apogee, `across` its distance to the right of the wind, `drift_speed` and
     `across_speed` the horizontal speeds there. `rise_time` is from lift-off to apogee, `coast_time` from burnout,
-    negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
+    negative if the motor still burns at apogee; `cut_short` is by how much a charge before apogee shortens them. nan if
+    undefined (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]
@@ -172,6 +173,7 @@ class FlightResult:
     across_speed: Float[Array, "*draw"]
     rise_time: Float[Array, "*draw"]
     coast_time: Float[Array, "*draw"]
+    cut_short: Float[Array, "*draw"]
 
     def readouts(self) -> dict[str, Float[Array, "*draw"]]:
         """The ten readouts by name, with heights as the altimeter reads them. SI."""

@@ -190,10 +190,7 @@ def delays(
             f"{motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
         )
     coast = predictions[0].coast_time[lifted]
-    rated = [
-        _rated(one, predictions[0], delay, limit, on_sale)
-        for one, (delay, on_sale) in zip(predictions[1:], ways, strict=True)
-    ]
+    rated = [_rated(one, delay, limit, on_sale) for one, (delay, on_sale) in zip(predictions[1:], ways, strict=True)]
     order = sorted(range(len(rated)), key=lambda i: (round(rated[i][1].too_fast, 2), rated[i][0]))
     ranked = tuple(rated[i][1] for i in order)
     words = tuple(_words(coast, motor, ranked))
@@ -201,16 +198,10 @@ def delays(
     return Delays(coasts, ranked, words, coast, predictions[order[0] + 1] if order else predictions[0])
 
 
-def _rated(
-    prediction: Prediction, without_charge: Prediction, delay: float, limit: float, on_sale: bool
-) -> tuple[float, Delay]:
-    """A delay, and its ranking criterion: the mean square of the speed at the charge. [m^2/s^2]
-
-    A charge before apogee ends the climb, so the time of firing is relative to the apogee of the same draw without a
-    charge.
-    """
+def _rated(prediction: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
+    """A delay, and its ranking criterion: the mean square of the speed at the charge. [m^2/s^2]"""
     lifted = prediction.apogee > 0
-    after = (prediction.rise_time + prediction.eject - without_charge.rise_time)[lifted]
+    after = prediction.after_apogee[lifted]
     speed = prediction.eject_speed[lifted]
     first = np.isnan(speed)
     mean = float(np.mean(speed[~first] ** 2)) if not first.all() else np.inf

@@ -14,6 +14,7 @@ from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.gain import gain_of, is_clear
+from fieldkit.planning.landing import landing
 from fieldkit.shapes import Array, Float
 
 DRAWS = 1000
@@ -28,16 +29,16 @@ AREA_TOLERANCE = 5e-3
 class Outlook:
     """Forecast of a plan's points: draws for each flight that may be declared, and what they are based on.
 
-    `forecast` has the draws of `predict`, so that every page shows the same figures. `fall` is the basis of the
-    durations [s]. `area` is the ratio of the parachute's area with the fewest points to the
-    area flown [1], `points_there` the mean points with it, `speed_there` its descent speed near the ground [m/s];
+    `forecast` has the draws of `predict`, and `duration` those of `landing` [s], so that every page shows the same
+    figures. `fall` is the basis of the durations. `area` is the ratio of the parachute's area with the fewest points to
+    the area flown [1], `points_there` the mean points with it, `speed_there` its descent speed near the ground [m/s];
     `gain` is the mean improvement by it in points per flight, `gain_error` its standard error, with as many flights as
     the forecast is based on.
     """
 
     forecast: Prediction
     points: Float[Array, "draw declared"]
-    duration: Float[Array, "draw declared"]
+    duration: Float[Array, "draw"]
     fall: Fall
     area: float
     points_there: float
@@ -78,12 +79,11 @@ def outlook(rule: Season, plan: Plan, area: float = 1.0, draws: int = DRAWS) -> 
 
     apogee = np.stack([one.apogee for one in predictions], axis=-1)
     best_area, fewest = _best_area(lambda area_ratio: float(rule.points(apogee, timed(area_ratio)).mean()))
-    duration = timed(area)
-    points = rule.points(apogee, duration)
+    points = rule.points(apogee, timed(area))
     return Outlook(
         forecast,
         points,
-        duration,
+        landing(forecast, fall.on_area(area)).duration,
         fall,
         best_area,
         fewest,

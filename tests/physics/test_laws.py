@@ -344,6 +344,8 @@ def test_a_charge_before_apogee_lowers_it_and_the_later_the_less() -> None:
     assert early.sum() > 20
     assert np.all(flown.apogee[early] < plain.apogee)
     np.testing.assert_allclose(flown.apogee[flown.apogee_to_eject > 0.01], plain.apogee, rtol=1e-12)
+    np.testing.assert_allclose(flown.rise_time + flown.cut_short, plain.rise_time, rtol=1e-12)
+    assert np.all(flown.cut_short[early] > 0)
 
 
 @pytest.mark.parametrize("changes", [{}, {"rail_angle": 1e-9}], ids=["layers", "steps"])

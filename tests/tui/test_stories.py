@@ -325,6 +325,23 @@ async def test_a_plan_has_one_apogee_on_all_pages(file: Path, monkeypatch: pytes
         assert following[1] == await final_figure(pilot)
 
 
+async def test_a_plan_fires_and_lands_at_one_time_on_all_pages(file: Path) -> None:
+    """A charge before apogee ends the climb: on Fly it fired 0.8 s before the end of that, on Delay 2.3 s before the
+    apogee without it. Contest and Landing had durations of their own draws."""
+    async with opened(file, (120, 50), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f24w"), "enter", "_")
+        await final_figure(pilot)
+        fires = re.search(r"ejection ([\d.]+ s (?:BEFORE|after)|at) apogee", words(pilot))
+        assert fires
+        await press(pilot, "d", "_")
+        assert f"fires {fires[1]} apogee" in text_of(pilot, "#about")
+        await press(pilot, "right", "right", "_")
+        lands = re.search(r"duration ([\d.]+ s, 90% interval [\d.]+ to [\d.]+)", text_of(pilot, "#answer"))
+        assert lands
+        await press(pilot, "right", "_")
+        assert f"duration {lands[1]}" in text_of(pilot, "#answer")
+
+
 async def test_a_flight_missed_by_the_same_on_home_on_its_own_page_and_on_the_loop_page(file: Path) -> None:
     async with opened(file, (160, 50), page="home") as pilot:
         await press(pilot, "end", "_")

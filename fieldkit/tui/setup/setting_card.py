@@ -1,6 +1,6 @@
 """The card of a setting on the Setup page: its meaning, and what it does now."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,7 +12,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.motors.own import own_motors
-from fieldkit.paths import data_folder, motor_folder
+from fieldkit.paths import DataFile, data_file, motor_folder
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.motor_guide import label
 from fieldkit.quantities import ShownUnits, counted, measure
@@ -54,7 +54,7 @@ LEGEND = (
 """Signs of states and their meaning, those of one color together."""
 EXAMPLE_SD = 12.0
 """Standard deviation of the example of a forecast. [m]"""
-FILES = {
+FILES: Mapping[DataFile, str] = {
     "ledger.db": "your flights, unless another ledger is open",
     "settings.json": "these settings",
     "kits.toml": "your kits",
@@ -191,7 +191,7 @@ def _own_motors() -> Iterator[tuple[str, str]]:
 def _files() -> Iterator[tuple[str, str]]:
     """The flyer's files and folders: what is in each, and its size."""
     for name, what in FILES.items():
-        yield name, f"{what}: {_size(data_folder() / name)}"
+        yield name, f"{what}: {_size(data_file(name))}"
 
 
 def _size(path: Path) -> str:
