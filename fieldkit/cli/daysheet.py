@@ -25,7 +25,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.flight import CONDITIONS as CONDITION_COLUMNS
 from fieldkit.flight import MOTOR_TEMPERATURE
-from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, recovery_header
+from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, read_conditions, recovery_header
 from fieldkit.quantities import counted
 from fieldkit.settings import read_settings
 
@@ -105,4 +105,5 @@ def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: 
         extra[MOTOR_TEMPERATURE] = warm
     row = row.with_changes(**open_ones, extra={**extra, **row.extra})
     check_recovery(row)
+    read_conditions(row)
     return completed_plan(ledger, motors, row, read_settings())

@@ -265,6 +265,15 @@ AS_USUAL = LaunchConditions()
 
 
 def launch_conditions(flight: Flight) -> LaunchConditions:
+    """The further columns of a flight, typed; as usual if they cannot be read, which `read_conditions` and
+    `fieldkit.flight.plausibility.implausible` find before a flight or a plan is simulated."""
+    try:
+        return read_conditions(flight)
+    except BadValue:
+        return AS_USUAL
+
+
+def read_conditions(flight: Flight) -> LaunchConditions:
     """The further columns of a flight, read. The direction of a vertical rail and a static margin that is no number do
     not matter; raises BadValue for a wind aloft, an opening time or the direction of a tilted rail that cannot be
     read."""

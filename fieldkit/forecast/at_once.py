@@ -36,7 +36,7 @@ def prepare_at_once(
     and plans.
 
     `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass,
-    DamagedModel if the hyperprior cannot be read, BadValue for a recovery figure or rail direction that cannot be read.
+    DamagedModel if the hyperprior cannot be read.
     """
     return prepared(_history(flown, plans).using(used_in_fit), shared)
 

@@ -9,7 +9,7 @@ from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.limits import check, check_keys, check_texts, long_names
 from fieldkit.flight.plausibility import doubts
-from fieldkit.flight.recovery import launch_conditions
+from fieldkit.flight.recovery import read_conditions
 from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
@@ -137,7 +137,7 @@ def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
     _check_motor(flight, reading, check_motor)
     try:
-        launch_conditions(flight)
+        read_conditions(flight)
     except BadValue as error:
         raise DamagedLog(message(marked(error)), row=reading.row) from error
     unread = dict.fromkeys(column.name for column in MEASURED)

@@ -121,8 +121,7 @@ def history_of(
     used_in_fit: Sequence[bool] | None = None,
 ) -> History:
     """The history of a rocket whose first `flown` flights, by default all, have flown, and by default the clean ones
-    are used in the fit. The flight index counts from 0 by default. Text is read here. Raises BadValue for a recovery
-    figure or rail direction that cannot be read."""
+    are used in the fit. The flight index counts from 0 by default. Text is read here."""
     count = len(flights) if flown is None else flown
     used = [flight.clean for flight in flights[:count]] if used_in_fit is None else used_in_fit
     order = range(len(flights)) if flight_index is None else flight_index
@@ -163,9 +162,7 @@ def field_setup(
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
     resolution: Resolution = FORECAST_RESOLUTION,
 ) -> Setup:
-    """Flights of any rockets as in `setup_of`, in SI. Raises ImpossibleFlight for a flight without a dry mass, BadValue
-    for a rail direction, a wind or an opening time that cannot be read.
-    """
+    """Flights of any rockets as in `setup_of`, in SI. Raises ImpossibleFlight for a flight without a dry mass."""
     conditions = [launch_conditions(flight) for flight in flights]
     return setups.setup_of(flights, found, conditions, drag_area, thrust_factor, resolution)
 

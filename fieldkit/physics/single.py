@@ -36,8 +36,7 @@ def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[st
 
     `cd` and `alpha` are the drag coefficient and the thrust factor [1]; `plan` has dry mass, diameter and whatever
     conditions are known. The rocket is assumed to turn fully into a recorded wind. Raises ImpossibleFlight if the motor
-    does not lift the rocket or required values are missing, BadValue for a recovery figure or rail direction that
-    cannot be read.
+    does not lift the rocket or required values are missing.
     """
     _, diameter = _body(plan)
     setup = field_setup([plan], [found], np.array([cd * np.pi / 4 * diameter**2]), np.array([alpha]))

@@ -123,7 +123,7 @@ def trials(plan: Plan, rule: Season, bounds: tuple[float | None, float | None] =
     """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg].
 
     Raises ImpossibleFlight for a plan without a dry mass, or if no mass within bounds lifts off; BadValue for a
-    recovery device or rail direction that cannot be read.
+    recovery device that cannot be read.
     """
     from scipy.interpolate import PchipInterpolator  # takes 0.3 s to import
 

@@ -134,9 +134,7 @@ def fitted_forecast(
 ) -> FittedForecast:
     """The forecast model fitted to a rocket's flights for similar plans, each with its flight index, by default the
     next for all; `fits` as in `fieldkit.forecast.predict.predict`. Raises ImpossibleFlight for a flight without a dry
-    mass and for a motor that is wider than the body, BadValue for a recovery figure or rail direction that cannot be
-    read, DamagedModel if the hyperprior cannot be read.
-    """
+    mass and for a motor that is wider than the body, DamagedModel if the hyperprior cannot be read."""
     for plan, motor in planned:
         check_width(plan, motor.motor)
     return learn(

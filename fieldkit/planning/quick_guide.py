@@ -74,8 +74,8 @@ def quick_guide(rocket: RocketData, plan: Flight, motors: Sequence[Motor]) -> li
     """Quick forecasts of a plan on motors, in the same order, from one batch; nothing is saved.
 
     Left out are clusters, motors that would not lift the rocket off a rod (`lifts`), and all motors if the rocket has
-    not flown: for these there is no quick answer. Raises ImpossibleFlight for a flight without a dry mass, BadValue
-    for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
+    not flown: for these there is no quick answer. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel
+    if the hyperprior cannot be read.
     """
     mass = plan.dry_mass or math.nan
     single = [motor for motor in motors if not motor.parts and lifts(motor, mass)]

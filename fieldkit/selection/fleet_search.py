@@ -102,8 +102,7 @@ class FleetFinding:
 
 
 def fleet_rocket(name: str, flown: FlownFlights, hyperprior: Hyperprior, period: Period | None) -> FleetRocket:
-    """Fit a rocket and linearize it. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery
-    figure or rail direction that cannot be read."""
+    """Fit a rocket and linearize it. Raises ImpossibleFlight for a flight without a dry mass."""
     history = flown_and_planned(flown)
     model = replace(base_model(history, hyperprior, period=period), coarse=True)
     result = fit_robustly(model, observe(history, hyperprior))

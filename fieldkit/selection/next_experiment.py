@@ -92,9 +92,7 @@ class Explanation:
 
 def informative_readouts(model: Model, first: Explanation, second: Explanation) -> list[Advice]:
     """The flights and measurements that would distinguish two explanations, the most informative first. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
-    """
+    ImpossibleFlight for a flight without a dry mass."""
     tests = [*_flights(model, first, second), *_measurements(first), *_measurements(second)]
     return sorted(tests, key=lambda test: -test.expected)
 

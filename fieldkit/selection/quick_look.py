@@ -77,8 +77,7 @@ class QuickLook:
 def quick_look(rocket: str, flown: Sequence[tuple[Flight, Found]], used_in_fit: Sequence[bool]) -> QuickLook:
     """The quick answer for the flights of a rocket, in the order flown.
 
-    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
-    cannot be read, DamagedModel if the hyperprior cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the hyperprior cannot be read.
     """
     last, motor = flown[-1]
     history = flown_and_planned(flown, [(repeated(last), motor)]).using(used_in_fit)

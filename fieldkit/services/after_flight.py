@@ -75,9 +75,8 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Three
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
     """A flight of the ledger compared with its forecast, None if none can be made, for example for a rocket too heavy
-    for its motor. Raises BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the
-    hyperprior cannot be read.
-    """
+    for its motor. Raises BadValue for a file of kits or a saved model that cannot be read, DamagedModel if the
+    hyperprior cannot be read."""
     before = _forecast(ledger, motors, flight)
     if before is None or not plausible([flight], motors):
         return None

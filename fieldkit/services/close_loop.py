@@ -42,9 +42,8 @@ def diagnosis_of(
     """The diagnosis of a rocket's flights; nothing is saved.
 
     `given` are effects that the flyer knows to be present, whatever the evidence, and `declined` those known to be
-    absent. Raises NoFlights for fewer than four clean
-    flights with an apogee, UnknownEffect for a given effect that these flights cannot show, BadValue for a recovery
-    figure or rail direction that cannot be read, FieldkitError if the columns chosen for a log cannot be read.
+    absent. Raises NoFlights for fewer than four clean flights with an apogee, UnknownEffect for a given effect that
+    these flights cannot show, FieldkitError if the columns chosen for a log cannot be read.
     """
     history = flown_and_planned(flown(ledger, motors, rocket))
     used_in_fit = [flight.clean and flight.apogee is not None for flight in history.flights]

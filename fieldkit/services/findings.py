@@ -103,8 +103,7 @@ def findings(
     on_progress: ReportProgress = no_op,
     upcoming: RepeatedFlight | None = None,
 ) -> Findings:
-    """The findings for a diagnosis. `upcoming` is by default forecast from the diagnosed flights alone. Raises BadValue
-    for a recovery figure or rail direction that cannot be read."""
+    """The findings for a diagnosis. `upcoming` is by default forecast from the diagnosed flights alone."""
     model, truth, seen = diagnosis.model, diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     flown = tuple(zip(model.flights, model.found, strict=True))
     forward = ahead(diagnosis.posterior, on_progress)

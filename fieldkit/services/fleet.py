@@ -63,8 +63,7 @@ def fleet_prior(
 ) -> "SharedPrior | None":
     """The message of the clean flights of all other rockets of a ledger about the shared terms; None without any.
 
-    `on_progress` is called for each rocket that is fitted again. Raises DamagedModel for an unreadable hyperprior,
-    BadValue for a recovery figure or rail direction that cannot be read.
+    `on_progress` is called for each rocket that is fitted again. Raises DamagedModel for an unreadable hyperprior.
     """
     return fleet_priors(ledger, motors, [rocket], on_progress)[rocket]
 
@@ -72,9 +71,7 @@ def fleet_prior(
 def fleet_priors(
     ledger: Ledger, motors: Catalogue, rockets: Sequence[str], on_progress: ReportProgress = no_op
 ) -> "dict[str, SharedPrior | None]":
-    """`fleet_prior` of several rockets, each fitted at most once. Raises DamagedModel for an unreadable hyperprior,
-    BadValue for a recovery figure or rail direction that cannot be read.
-    """
+    """`fleet_prior` of several rockets, each fitted at most once. Raises DamagedModel for an unreadable hyperprior."""
 
     own = learned()
     made_with = json.dumps(

@@ -64,8 +64,7 @@ class FleetLoop:
 def close_fleet_loop(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress = no_op) -> FleetLoop:
     """Search all rockets of a ledger for a shared difference: a motor type or lot, a day, a site, an altimeter.
 
-    Raises NoFlights without a clean flight with an apogee, BadValue for a recovery figure or rail direction that cannot
-    be read, DamagedModel for an unreadable hyperprior.
+    Raises NoFlights without a clean flight with an apogee, DamagedModel for an unreadable hyperprior.
     """
     known = [one for one in followed(ledger.flights(), motors) if one[0].clean and one[0].apogee is not None]
     if not known:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import Flight
+from fieldkit.flight.recovery import read_conditions
 from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
@@ -151,7 +152,7 @@ def predict_plans(
 
     `on_progress` also reports the fits of other rockets; `fits` as in `fieldkit.forecast.predict.predict`, for plans of
     one rocket. Raises UnknownMotor, NoFlights for a plan without a rocket if none has flown, ImpossibleFlight for a
-    plan without a mass, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the
+    plan without a mass, BadValue for a file of kits or a saved model that cannot be read, DamagedModel if the
     hyperprior cannot be read.
     """
     answers: dict[int, Prediction] = {}
@@ -245,8 +246,9 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
 
 def from_others(data: RocketData, motors: Catalogue, flight: Flight) -> Prediction:
     """The forecast of a flight from the other flights of its rocket, as `forecast_from_others`, from what is known of
-    the rocket. Raises UnknownMotor, BadValue for a recovery figure or rail direction that cannot be read,
-    ImpossibleFlight for a flight without a dry mass."""
+    the rocket. Raises UnknownMotor, ImpossibleFlight for a flight without a dry mass, BadValue for a wind aloft or rail
+    direction that cannot be read."""
+    read_conditions(flight)
     plan = flight.unflown()
     history = list(data.history)
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]

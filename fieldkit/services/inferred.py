@@ -130,10 +130,8 @@ class FlightInference:
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
-        """The answer for each flight alone; `infer` must not leave out any. Raises ImpossibleFlight for a
-        flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if
-        the hyperprior cannot be read.
-        """
+        """The answer for each flight alone; `infer` must not leave out any. Raises ImpossibleFlight for a flight
+        without a dry mass, DamagedModel if the hyperprior cannot be read."""
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
         if rockets:

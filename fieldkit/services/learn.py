@@ -98,9 +98,7 @@ def learn(
     flyers: Sequence[Flyer], *, from_start: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
     """The hyperprior fitted to the flights of some flyers, starting from the one in use, or from `START` if
-    `from_start`. Raises DamagedModel if the one in use cannot be read, BadValue for a recovery figure or rail direction
-    that cannot be read.
-    """
+    `from_start`. Raises DamagedModel if the one in use cannot be read."""
 
     start = START if from_start else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]
@@ -144,9 +142,7 @@ def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, from_start: boo
 
 def forecasts_of(work: HeldOutRocket) -> StepForecasts:
     """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them, from some readouts of the
-    earlier flights and from all. Raises DamagedModel, BadValue for a recovery figure or rail direction that cannot be
-    read.
-    """
+    earlier flights and from all. Raises DamagedModel."""
     fleets = [
         [own for rocket, own in flyer.rockets.items() if (number, rocket) != (work.flyer, work.rocket)]
         for number, flyer in enumerate(work.flyers)

@@ -14,6 +14,7 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.files import read
 from fieldkit.flight import Flight
 from fieldkit.flight.further import texts_under
+from fieldkit.flight.recovery import read_conditions
 from fieldkit.inference.laplace.high_power import Departure, DesignForecast, departure, learn_high_power, log_density
 from fieldkit.model.high_power import is_high_power
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
@@ -44,10 +45,12 @@ def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
     """The flights with a diameter, an apogee, a known high-power motor, a peak Mach number and a forecast apogee.
 
     The table is a flight table with further columns: `peak_mach` and `predicted_..._m`, one for each program. Raises
-    FieldkitError, NoFlights.
+    FieldkitError, BadValue for a wind aloft or rail direction that cannot be read, NoFlights.
     """
     flights = [incoming.flight for incoming in gather([path], motors.complaint).incoming_flights]
     found = [one for flight in flights if (one := _usable(flight, motors))]
+    for one in found:
+        read_conditions(one.flight)
     if not found:
         raise NoFlights(
             f"{path}: found no flight with diameter_mm, apogee_m, {MACH_COLUMN}, predicted_..._m and a known "
@@ -86,8 +89,7 @@ def _positive(text: str) -> float:
 def learn_from_table(table: HighPowerTable, hyperprior: Hyperprior) -> Hyperprior:
     """The hyperprior with its figures for high power fitted to a table, with a record and scores in `about`.
 
-    Raises ImpossibleFlight if a flight cannot be simulated, BadValue for a recovery figure or rail direction that
-    cannot be read.
+    Raises ImpossibleFlight if a flight cannot be simulated.
     """
     departures = [departure(one, hyperprior) for one in table.forecasts]
     start = replace(hyperprior, high_power=1.0, design_drag=DESIGN_DRAG)

@@ -16,8 +16,8 @@ def flights_beside_others(
 ) -> tuple[FlightBesideOthers, ...]:
     """The flights of a rocket that can be simulated, in the order flown; empty if there are none.
 
-    With the sets of effects that its forecasts use. `fits` as in `fieldkit.forecast.predict.predict`. Raises
-    BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
+    With the sets of effects that its forecasts use. `fits` as in `fieldkit.forecast.predict.predict`. Raises BadValue
+    for a saved model that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     history = flown(ledger, motors, rocket)
     if not history:
@@ -50,8 +50,8 @@ class Comparisons:
     _lock: Lock = field(default_factory=Lock)
 
     def of(self, ledger: Ledger, motors: Catalogue, rocket: str) -> tuple[FlightBesideOthers, ...]:
-        """The flights of a rocket as in `flights_beside_others`. Raises BadValue for a recovery figure or rail
-        direction that cannot be read, DamagedModel if the hyperprior cannot be read."""
+        """The flights of a rocket as in `flights_beside_others`. Raises BadValue for a saved model that cannot be read,
+        DamagedModel if the hyperprior cannot be read."""
         fits = self.fits(ledger, rocket)
         with self._lock:
             if rocket not in self._found:

@@ -41,8 +41,7 @@ class QuickForecast:
 def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
     """The answer of a linear pass for a rocket's flights; the model in use does not change.
 
-    Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel, BadValue for a recovery figure or
-    rail direction that cannot be read.
+    Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel.
     """
     history = flown(ledger, motors, rocket)
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
@@ -67,8 +66,8 @@ def predict_quickly(
     sampling fails or the flights show drag and impulse from logs; nothing is saved.
 
     Effects accepted in the loop and the Cds of designs are not used. Raises NoFlights for a rocket that never flew,
-    UnknownMotor, ImpossibleFlight for a plan without a mass, BadValue for a recovery figure or rail direction that
-    cannot be read, DamagedModel if the hyperprior cannot be read.
+    UnknownMotor, ImpossibleFlight for a plan without a mass, BadValue for a file of kits or a saved model that cannot
+    be read, DamagedModel if the hyperprior cannot be read.
     """
     made: list[QuickForecast] = []
     for plan, whole in zip(plans, completed(ledger, motors, plans), strict=True):

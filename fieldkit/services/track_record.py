@@ -36,7 +36,7 @@ def replayed(
     """Forecasts of every clean flight of a ledger from all rockets' earlier flights, in the order flown.
 
     With `rocket`, only its flights are forecast, and only they determine corrections and stacking weights. Raises
-    BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
+    DamagedModel if the hyperprior cannot be read.
     """
     known = ledger.flights()
     ledger.remark(*exclusions(known, motors))
@@ -56,7 +56,7 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) ->
     """Predictions of clean flights with an apogee, in the order flown.
 
     The rivals use the same data as the prediction: the rocket's flights at that time, other rockets' earlier flights,
-    and the plan at that time. Raises BadValue for a recovery figure or rail direction that cannot be read.
+    and the plan at that time.
     """
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
     known = [one for one in simulate(simulable(ledger.flights(), motors)) if one.flight.clean] if scored else []

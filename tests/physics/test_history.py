@@ -5,6 +5,8 @@ import pytest
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import implausible
+from fieldkit.flight.recovery import AS_USUAL, read_conditions
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import History, flown_and_planned, history_of, together
@@ -27,7 +29,9 @@ def history() -> History:
 def test_text_is_read_once_when_flights_become_a_history() -> None:
     extra = {"wind_aloft": "twelve", "rail_direction": "sideways"}
     with pytest.raises(BadValue, match="wind aloft"):
-        history_of([flight(0, extra=extra)], [MOTOR])
+        read_conditions(flight(0, extra=extra))
+    assert implausible(flight(0, extra=extra), MOTOR.motor), "it is in no fit"
+    assert history_of([flight(0, extra=extra)], [MOTOR]).conditions == (AS_USUAL,)
     (typed,) = history_of(
         [flight(0, rail_angle=0.1, extra={"wind_aloft": "36km/h", "rail_direction": "away"})], [MOTOR]
     ).conditions

@@ -81,7 +81,7 @@ def forward(
     With `rocket`, only flights of that rocket are forecast, still from the flights of all. The message of a rocket to
     the fleet is updated after each of its flights. `hyperprior` replaces the learned one. Flights before the day
     `since` are not forecast. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the learned
-    hyperprior cannot be read, BadValue for a recovery figure or rail direction that cannot be read.
+    hyperprior cannot be read.
     """
     known = hyperprior or learned()
     past: dict[str, list[FlownFlight]] = {}

@@ -133,9 +133,7 @@ class RivalScore:
 
 def rival_scores(flown: Sequence[tuple[Flight, Found]]) -> tuple[RivalScore, ...]:
     """The scores of every rival on the clean flights of one rocket, each forecast from the earlier ones; only on those
-    that all of these rivals can forecast. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a
-    recovery figure or rail direction that cannot be read.
-    """
+    that all of these rivals can forecast. Raises ImpossibleFlight for a flight without a dry mass."""
     clean = [one for one in simulate(flown) if one.flight.clean and one.flight.apogee is not None]
     made = [(rival_draws(clean[:turn], one), float(one.flight.apogee or 0.0)) for turn, one in enumerate(clean) if turn]
     names = [name for name in RIVALS if made and all(name in draws for draws, _ in made)]

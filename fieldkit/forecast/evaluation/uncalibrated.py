@@ -41,8 +41,7 @@ def simulate(flown: Sequence[tuple[Flight, Found]]) -> list[Simulated]:
     """Every flight with the apogee that the altimeter would show at the nominal Cd and certified thrust.
 
     The area is the body's, or else follows from the flight's dry mass by a rule of thumb. The apogee is 0 m if the
-    flight does not leave the pad. Raises ImpossibleFlight for one without a dry mass, BadValue for a recovery figure or
-    rail direction that cannot be read.
+    flight does not leave the pad. Raises ImpossibleFlight for one without a dry mass.
     """
     if not flown:
         return []

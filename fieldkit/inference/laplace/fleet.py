@@ -39,8 +39,7 @@ class RocketFit:
 def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | None = None) -> RocketFit:
     """Fit the clean flights of one rocket without information from others; `period` is the fleet's, by default its own.
 
-    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
-    cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     history = flown_and_planned(flown)
     model = replace(base_model(history, hyperprior, period=period), coarse=True)

@@ -68,9 +68,7 @@ class Departure:
 
 
 def departure(forecast: DesignForecast, hyperprior: Hyperprior) -> Departure:
-    """The departure of a flight from its forecasts. Raises ImpossibleFlight if no rocket fits the forecasts, BadValue
-    for a recovery figure or rail direction that cannot be read.
-    """
+    """The departure of a flight from its forecasts. Raises ImpossibleFlight if no rocket fits the forecasts."""
     dry_mass, cd = matched(forecast)
     flight = replace(forecast.flight, dry_mass=dry_mass, delay=ALL_BURNT)
     model = base_model(history_of([flight], [forecast.found], flown=0), replace(hyperprior, high_power=1.0))

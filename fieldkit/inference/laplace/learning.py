@@ -86,8 +86,7 @@ def learn_hyperprior(
 
     Random effects that the start lacks are not added. The priors of scales are not learned, because few flyers do not
     determine them. `begin` is the initial value of the iteration, by default the start. The result includes the
-    uncertainty of each mean. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure
-    or rail direction that cannot be read.
+    uncertainty of each mean. Raises ImpossibleFlight for a flight without a dry mass.
     """
     start, found = replace(start, mean_sds={}), replace(begin or start, mean_sds={})
     for round_ in range(rounds):
@@ -120,8 +119,7 @@ def mean_sds(flyers: Sequence[SharedPrior], hyperprior: Hyperprior) -> dict[str,
 def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
     """Log marginal likelihood of all flights given the means, near the mode of each rocket's terms. [nat]
 
-    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
-    cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     hyperprior = replace(hyperprior, mean_sds={})
     found = [_fitted([flown_and_planned(flown) for flown in fleet], _period(fleet), hyperprior) for fleet in fleets]
