@@ -129,6 +129,15 @@ class MotorChoice:
         """The 5, 50 and 95% quantiles of the altimeter's apogee reading. [m]"""
         return self.prediction.apogee_quantiles()
 
+    def with_forecast(self, prediction: Prediction) -> "MotorChoice":
+        """The same motor with a forecast of more draws; its delays fire by as much earlier or later as that says of the
+        chosen one."""
+        fires, delay = prediction.median_eject, self.delay
+        if fires is None or delay is None:
+            return replace(self, prediction=prediction)
+        ejections = tuple((one, one - delay + fires) for one, _ in self.ejections)
+        return replace(self, prediction=prediction, ejections=ejections)
+
     @property
     def plan(self) -> Flight:
         """The planned flight on this motor with its delay."""
@@ -250,7 +259,7 @@ def guide(
         MotorChoice(
             motor,
             delay,
-            _ejections(motor, delay, coast, prediction, exact=draws > DRAWS),
+            _ejections(motor, delay, coast if (prediction.apogee > 0).mean() > 0.5 else math.nan),
             prediction,
             label(motor) in known,
             *thrust_to_weight(motor, prediction.plan.dry_mass or math.nan),
@@ -297,17 +306,7 @@ def _delay(motor: Motor, coast: float, wanted: float | None) -> float | None:
     return min(sold_delays(motor), key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
 
 
-def _ejections(
-    motor: Motor, chosen: float | None, coast: float, prediction: Prediction, *, exact: bool
-) -> tuple[tuple[float, float], ...]:
-    """Each delay with the expected time after apogee at which it fires [s], none if the rocket stays on the rail.
-
-    An `exact` forecast has enough draws for its own median, which pages show; else the usual `coast` [s] is nearer.
-    """
-    if not (prediction.apogee > 0).mean() > 0.5:
-        return ()
-    if exact and chosen and (fires := prediction.median_eject) is not None:
-        coast = chosen - fires
+def _ejections(motor: Motor, chosen: float | None, coast: float) -> tuple[tuple[float, float], ...]:
     delays = sorted({*sold_delays(motor), *([chosen] if chosen else [])})
     return tuple((delay, delay - coast) for delay in delays if math.isfinite(coast))
 

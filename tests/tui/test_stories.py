@@ -333,6 +333,9 @@ async def test_a_plan_fires_and_lands_at_one_time_on_all_pages(file: Path) -> No
         await final_figure(pilot)
         fires = re.search(r"ejection ([\d.]+ s (?:BEFORE|after)|at) apogee", words(pilot))
         assert fires
+        by_delay = re.search(r"by delay ((?:\d+:[-+.\d]+ )+)s", words(pilot))
+        assert by_delay
+        assert fires[1].split()[0] in [one.split(":")[1].strip("+-") for one in by_delay[1].split()]
         await press(pilot, "d", "_")
         assert f"fires {fires[1]} apogee" in text_of(pilot, "#about")
         await press(pilot, "right", "right", "_")

@@ -1,7 +1,7 @@
 """The motors of the Fly page: their selection, order and forecasts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
 
 from fieldkit.forecast.prediction import Prediction
@@ -101,7 +101,7 @@ class MotorList:
     def put_exact(self, motor: Motor, made: Prediction) -> None:
         """Replace the forecast of a motor by one with all draws."""
         if (one := self.known.get(motor)) is not None:
-            self.known[motor] = replace(one, prediction=made)
+            self.known[motor] = one.with_forecast(made)
             self.exact.add(motor)
 
     def fits(self, motor: Motor) -> bool:
