@@ -25,7 +25,8 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.flight import CONDITIONS as CONDITION_COLUMNS
 from fieldkit.flight import MOTOR_TEMPERATURE
-from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, read_conditions, recovery_header
+from fieldkit.flight.plan import check_plan
+from fieldkit.flight.recovery import RECOVERY_NAMES, recovery_header
 from fieldkit.quantities import counted
 from fieldkit.settings import read_settings
 
@@ -104,6 +105,5 @@ def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: 
     if warm := given.get("motor_temperature"):
         extra[MOTOR_TEMPERATURE] = warm
     row = row.with_changes(**open_ones, extra={**extra, **row.extra})
-    check_recovery(row)
-    read_conditions(row)
+    check_plan(row)
     return completed_plan(ledger, motors, row, read_settings())

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.limits import check, check_keys, check_texts, long_names
+from fieldkit.flight.plan import check_plan
 from fieldkit.flight.plausibility import doubts
-from fieldkit.flight.recovery import read_conditions
 from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
@@ -130,14 +130,14 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
 
 
 def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
-    """The planned flight that a reading describes, without readouts. Raises DamagedLog for an impossible value, for a
-    wind aloft, opening time or rail direction that cannot be read, or if its motor is missing or unknown."""
+    """The planned flight that a reading describes, without readouts. Raises DamagedLog for an impossible value, for
+    one of `check_plan` that cannot be read, or if its motor is missing or unknown."""
     flight = _weighed(_flight(reading), reading)
     if not flight.motor:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
     _check_motor(flight, reading, check_motor)
     try:
-        read_conditions(flight)
+        check_plan(flight)
     except BadValue as error:
         raise DamagedLog(message(marked(error)), row=reading.row) from error
     unread = dict.fromkeys(column.name for column in MEASURED)

@@ -403,6 +403,9 @@ def test_the_reference_flights_are_read_completely() -> None:
     ("cells", "found"),
     [
         ("wind_aloft_mps", "wind aloft: found 'sideways'"),
+        ("main_altitude_m", "main altitude: found 'sideways'"),
+        ("stability_cal", "stability cal: found 'sideways'"),
+        ("motor_temperature_c", "motor temperature: found 'sideways'"),
         ("rail_angle_deg,rail_direction", "rail_direction: found 'sideways'"),
     ],
 )
