@@ -18,7 +18,6 @@ def test_a_command_under_another_name_is_named(run: Run, word: str, meant: str) 
     ("command", "typed", "meant"),
     [
         ("predict", "--temp", "--temperature"),
-        ("add", "--date", "--date-time"),
         ("add", "--coast", "--coast-to-apogee"),
         ("add", "--mass", "--dry-mass, --lift-off-mass"),
         ("add", "--altitude", "--apogee, --eject-altitude"),
