@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.mutations import edited, handed_on, home_built, programs, tables
+from bench.mutations import edited, handed_on, home_built, programs, tables, unnamed
 from bench.mutations.files import FILES
 from bench.mutations.tables import log_of
 from bench.recorders.flights import Path as Flown
@@ -32,7 +32,7 @@ from fieldkit.importing.read import read
 from fieldkit.importing.tables.mapping import read_choice
 from fieldkit.parallel import processes
 
-KINDS = {**tables.KINDS, **handed_on.KINDS, **programs.KINDS, **edited.KINDS, **home_built.KINDS}
+KINDS = {**tables.KINDS, **handed_on.KINDS, **programs.KINDS, **edited.KINDS, **home_built.KINDS, **unnamed.KINDS}
 """Kinds of tables by what was done."""
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 

@@ -65,6 +65,8 @@ _ANOTHER_CLOCK, _DELAYS = 0.1, np.arange(-0.12, 0.13, 0.04)
 """Probability that heights and acceleration have different clocks [1], and delays to try around the best one [s]."""
 _MIN_LAG = 0.04
 """Smallest lag that is removed; less is an error of times. [s]"""
+_LEAST_BLUR = 0.015
+"""Least delay of an accelerometer that a filter explains; less is an error of times. [s]"""
 _ONE_STEP = float(np.log(4))
 """Time from 20% to 80% of a step behind a first-order filter, in its time constants. [1]"""
 _MAX_SHIFT, _STEP = 1.5, 0.02
@@ -140,11 +142,12 @@ class Agreement:
 
     @property
     def blur(self) -> float:
-        """Time over which the filter of a channel spreads a change of thrust: its delay or its rise at lift-off, and of
-        an accelerometer, which thrust may delay or heights precede, the shorter of both. [s]"""
+        """Time over which the filter of a channel spreads a change of thrust: its delay or its rise at lift-off, and
+        the shorter of them if both may be errors of an accelerometer's times or a slow thrust. [s]"""
         if self.derived:
             return max(self.late - self.step / 2, self.onset - self.step, 0.0)
-        return max(min(self.late, self.onset - self.step / _ONE_STEP), 0.0)
+        delays = self.late, self.onset - self.step / _ONE_STEP
+        return max(delays) if min(delays) > _LEAST_BLUR + self.step / 4 else max(min(delays), 0.0)
 
     @property
     def why(self) -> str:

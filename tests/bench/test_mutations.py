@@ -56,6 +56,11 @@ RIGHT = (
     "a magnitude without a unit",
     "a magnitude without gravity",
     "the time of the loop beside a clock",
+    "two columns without names",
+    "two columns without names, pressures",
+    "zeros before a fix",
+    "44 km before a reading",
+    "an accelerometer behind a slow filter",
 )
 REFUSED = (
     "cut off in the boost",
@@ -63,6 +68,7 @@ REFUSED = (
     "milliseconds called seconds",
     "a tracker in feet by the name of meters",
     "pressures of 16 bits",
+    "four columns without names",
 )
 
 
