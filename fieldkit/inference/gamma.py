@@ -1,6 +1,6 @@
 """The logarithm of the Gamma function and the quantiles of Gamma distributions.
 
-`scipy.special` has both; a forecast needs nothing else of it, and importing it takes a quarter of a forecast's time.
+`scipy.special` has both; a forecast needs nothing else of it, and importing it takes a tenth of a forecast's time.
 """
 
 import math
