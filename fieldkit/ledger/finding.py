@@ -60,10 +60,11 @@ def _at(connection: Connection, entries: Sequence[int]) -> list[Row]:
     return [rows[entry] for entry in entries]
 
 
-def _order(connection: Connection) -> tuple[ColumnElement[Any], ...]:
+def _order(connection: Connection, *, newest_first: bool = False) -> tuple[ColumnElement[Any], ...]:
     """The order flown. If every flight has a date, sorting is by date only, which takes half the time."""
     undated = connection.scalar(select(flights.c.entry).where(flights.c.date_time.is_(None)).limit(1))
-    return (flights.c.date_time if undated is None else _FLIGHT_DATE.nulls_first(), flights.c.entry)
+    date: ColumnElement[Any] = flights.c.date_time if undated is None else _FLIGHT_DATE
+    return (date.desc().nulls_last(), flights.c.entry.desc()) if newest_first else (date.nulls_first(), flights.c.entry)
 
 
 def _chosen(query: Select[Any], rocket: str | None, tag: str | None) -> Select[Any]:
@@ -81,9 +82,13 @@ def load(
     tag: str | None = None,
     entries: Sequence[int] | None = None,
     since: date | None = None,
+    last: int | None = None,
 ) -> list[StoredFlight]:
-    """Flights in the order flown: all, of one rocket, with a tag, with these entry numbers, or with a date on this day
-    or later."""
+    """Flights in the order flown: all, of one rocket, with a tag, with these entry numbers, with a date on this day or
+    later, or the `last` of them."""
+    if last is not None:
+        newest = _chosen(select(flights.c.entry), rocket, tag).order_by(*_order(connection, newest_first=True))
+        entries = list(connection.scalars(newest.limit(last)))
     query = _chosen(select(flights), rocket, tag).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
     if since is not None:
         query = query.where(flights.c.date_time >= since.isoformat())

@@ -239,15 +239,16 @@ class Ledger:
         ids: Sequence[str] | None = None,
         tag: str | None = None,
         since: date | None = None,
+        last: int | None = None,
     ) -> list[Flight]:
-        """Flights in the order flown; of one rocket, with these ids, with a tag, flown since a day.
+        """Flights in the order flown; of one rocket, with these ids, with a tag, flown since a day, the `last` ones.
 
         They are sorted by date and then by entry; a flight without a date comes after the flights of its rocket that
         were entered earlier.
         """
         with self._reading() as connection:
             entries = None if ids is None else [stored.entry for stored in naming.resolve_all(connection, ids)]
-            found = finding.load(connection, rocket=rocket, tag=tag, entries=entries, since=since)
+            found = finding.load(connection, rocket=rocket, tag=tag, entries=entries, since=since, last=last)
         return [stored.flight for stored in found]
 
     def pages(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[tuple[str, Flight]]]:

@@ -71,7 +71,7 @@ def mass_drafts(ledger: Ledger, dry_mass: float) -> dict[str, dict[str, str]]:
     cannot be read.
     """
     mass = answer_text(Flight(dry_mass=dry_mass), "dry_mass")
-    plan = planned(ledger, ledger.flights()) or Flight()
+    plan = planned(ledger, ledger.flights(last=MAX_LISTED_FLIGHTS)) or Flight()
     build = {"rocket": plan.rocket, "config": plan.config}
     kept = (ledger.draft(PLAN_DRAFT) or {}) | typed_weather(ledger)[0]
     return _plan_drafts(ledger, build | kept | {"dry_mass": mass})
@@ -105,15 +105,14 @@ def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
 
 def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlight]:
     """The latest flights of a ledger, newest first, without their forecasts."""
-    latest = flights[-MAX_LISTED_FLIGHTS:]
-    return [ListedFlight(id, one, None) for id, one in zip(ledger.ids(latest), latest, strict=True)][::-1]
+    return [ListedFlight(id, one, None) for id, one in zip(ledger.ids(flights), flights, strict=True)][::-1]
 
 
 def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
     """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger.
     Raises BadValue if the saved plan cannot be read.
     """
-    flights = ledger.flights()
+    flights = ledger.flights(last=MAX_LISTED_FLIGHTS)
     plan = planned(ledger, flights)
     if plan is None:
         return None

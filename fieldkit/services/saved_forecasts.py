@@ -221,7 +221,7 @@ class SavedForecast:
 def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[SavedForecast]:
     """Every prediction of one rocket or of all, oldest first, once for each flight compared with it."""
     predictions = saved_forecasts(ledger, rocket)
-    flights = ledger.flights(rocket) if predictions else []
+    flights = [flight for one in dict.fromkeys(p.rocket for p in predictions) for flight in ledger.flights(one)]
     pairs = [
         (made.number, flight)
         for flight, made in zip(flights, made_for(flights, predictions, motors), strict=True)

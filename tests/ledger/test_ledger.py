@@ -254,6 +254,9 @@ def test_flights_are_ordered_by_date_then_entry_and_undated_ones_by_entry(ledger
     ledger.add([undated.with_changes(flight_id="4"), undated.with_changes(flight_id="5", rocket="Other")])
     assert [flight.flight_id for flight in ledger.flights()] == ["0", "5", "3", "1", "2", "4"]
     assert [flight.flight_id for flight in ledger.flights(FIRST.rocket)] == ["0", "3", "1", "2", "4"]
+    every = ledger.flights()
+    assert [ledger.flights(last=count) for count in range(1, 8)] == [every[-count:] for count in range(1, 8)]
+    assert ledger.flights("Other", last=1) == ledger.flights("Other")[-1:]
 
 
 def test_an_id_is_the_flight_id_if_it_is_unique(ledger: Ledger) -> None:
