@@ -4,13 +4,15 @@ Derivation: the maximum of a running mean; what a curve through heights smooths 
 catalog, whose thrust is the acceleration plus gravity and drag.
 """
 
+from statistics import NormalDist
+
 import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.records import Figure
-from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median
 from fieldkit.flight.readout import PEAK_WINDOW
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
@@ -102,11 +104,28 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     their own. A filter shows means, beyond which the peak is as far as that of motors in the catalog.
     """
     value, coarse = _highest(net, median_step(time))
+    by_noise, noise = _raised_by_noise(net, median_step(time))
+    value = value - by_noise
     ratio, spread = _beyond_window(_MEANS * push.blur / max(float(np.ptp(time)), PEAK_WINDOW))
     value, blurred = value + (ratio - 1) * (value + GRAVITY), spread * (value + GRAVITY)
     scale = np.hypot(_SCALE, (push.scale - 1) / 2)
-    sd = np.sqrt((scale * value) ** 2 + blurred**2 + 0.5**2 + coarse**2)
+    sd = np.sqrt((scale * value) ** 2 + blurred**2 + 0.5**2 + coarse**2 + noise**2)
     return Figure(value, float(sd), push.source) if value > 2 * sd else None
+
+
+def _raised_by_noise(net: Float[Array, "time"], step: float) -> tuple[float, float]:
+    """How much the vibration of a boost raises the highest of its means, of samples at an interval [s], and the error
+    of that. [m/s^2]
+
+    Derivation: noise n, which third differences show where thrust changes smoothly, leaves n / sqrt(k) in a mean of k
+    samples. The highest of m means of one thrust is high by the expected maximum of m normal numbers (Blom 1958), and
+    that of a thrust with a peak by less, down to nothing.
+    """
+    count = max(PEAK_WINDOW / step, 1.0)
+    left = mad_sd(np.diff(net, 3)) / float(np.sqrt(20 * count))
+    means = max(net.size / count, 1.0)
+    raised = left * NormalDist().inv_cdf((means - 0.375) / (means + 0.25))
+    return max(raised, 0.0) / 2, float(np.hypot(left, raised / np.sqrt(12)))
 
 
 def _highest(net: Float[Array, "time"], step: float) -> tuple[float, float]:

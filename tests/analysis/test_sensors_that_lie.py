@@ -760,6 +760,17 @@ def test_an_accelerometer_behind_a_filter_moves_no_burnout(lag: float, rate: flo
     assert lag < 0.2 or any("it is not used" in note for note in recorded.notes)
 
 
+@pytest.mark.parametrize("rate", [25.0, 100.0])
+@pytest.mark.parametrize("vibration", [10.0, 20.0])
+def test_the_vibration_of_a_motor_does_not_raise_the_peak(rate: float, vibration: float) -> None:
+    truth = flown(LARGE)
+    series, push = recording(truth, accelerometer=rate)
+    assert push.felt is not None
+    burns = (push.time > 0) & (push.time < truth.burnout)
+    shaken = push.felt + burns * np.random.default_rng(4).normal(0, vibration, push.time.size)
+    assert not misses(measure((series, replace(push, felt=shaken))), truth, "peak_accel", "top_speed", "burn_time")
+
+
 def test_a_shock_under_a_parachute_is_no_ejection() -> None:
     """The charge was over between two samples, and a line went taut seconds later."""
     truth = flown(replace(SMALL, delay=8.3))
