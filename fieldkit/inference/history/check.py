@@ -15,7 +15,7 @@ answer's apogees measures their overlap.
 """
 
 from dataclasses import dataclass, replace
-from math import lgamma, log
+from math import log
 
 import numpy as np
 from numpy.random import Generator
@@ -154,7 +154,9 @@ def _drawn(
 
 def _log_student(square: Float[Array, "..."], freedom: float) -> Float[Array, "..."]:
     """Log density of a standard Student t distribution at points of this square."""
-    constant = lgamma((freedom + 1) / 2) - lgamma(freedom / 2) - 0.5 * np.log(freedom * np.pi)
+    from scipy.special import gammaln  # takes 0.18 s to import
+
+    constant = gammaln((freedom + 1) / 2) - gammaln(freedom / 2) - 0.5 * np.log(freedom * np.pi)
     return np.asarray(constant - 0.5 * (freedom + 1) * np.log1p(square / freedom))
 
 

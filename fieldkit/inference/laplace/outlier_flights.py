@@ -8,7 +8,6 @@ effect.
 
 import numpy as np
 
-from fieldkit.inference.gamma import log_gamma
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.model.readout_data import Data
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -20,12 +19,12 @@ def readouts_used(data: Data, tangent: Tangent) -> Int[Integers, "flight"]:
 
 
 def log_tail(weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float) -> Float[Array, "flight"]:
-    """The term of each flight in the lower bound of the log evidence, in addition to a normal one of this weight. The
-    expected logarithm of the factor cancels out of it. [nat]"""
+    """The term of each flight in the lower bound of the log evidence, in addition to a normal one of this weight.
+    [nat]"""
+    from scipy.special import digamma, gammaln  # takes 0.18 s to import
 
-    def from_stirling(shape: Float[Array, "*value"]) -> Float[Array, "*value"]:
-        return log_gamma(shape) - shape * np.log(shape) + shape
-
-    prior = np.array(nu / 2)
-    tail = from_stirling(prior + count / 2) - from_stirling(prior) + prior * (1.0 + np.log(weight) - weight)
-    return np.where(count > 0, tail, 0.0)
+    a, a0 = (nu + count) / 2, nu / 2
+    b = a / weight
+    jensen = count / 2 * (digamma(a) - np.log(b) - np.log(weight))
+    divergence = (a - a0) * digamma(a) - gammaln(a) + gammaln(a0) + a0 * (np.log(b) - np.log(a0)) + a * (a0 - b) / b
+    return np.where(count > 0, jensen - divergence, 0.0)
