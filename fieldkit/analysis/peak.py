@@ -105,7 +105,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     """
     value, coarse = _highest(net, median_step(time))
     by_noise, noise = _raised_by_noise(net, median_step(time))
-    value = value - by_noise
+    value -= by_noise if noise > coarse else 0.0  # a smaller one is within that error
     ratio, spread = _beyond_window(_MEANS * push.blur / max(float(np.ptp(time)), PEAK_WINDOW))
     value, blurred = value + (ratio - 1) * (value + GRAVITY), spread * (value + GRAVITY)
     scale = np.hypot(_SCALE, (push.scale - 1) / 2)
