@@ -148,7 +148,13 @@ def _rail(resources: Resources) -> list[tuple[str, str]]:
     """What a plan without a rail of its own starts with, and why."""
     settings, system = resources.settings, resources.settings.units
     length, longest = settings.rail_length, max(settings.flyer.rails, default=None)
-    why = "your usual rail" if length else "the longest that you own" if longest else "assumed: no rail is known"
+    why = (
+        "your usual rail"
+        if length
+        else "the longest that you own"
+        if longest
+        else "assumed: rockets leave a longer one faster"
+    )
     rail = measure(BY_NAME["rail_length"], length or longest or RAIL_LENGTH, system)
     angle = measure(BY_NAME["rail_angle"], settings.rail_angle or 0.0, system)
     owned = ", ".join(measure(BY_NAME["rail_length"], one, system) for one in settings.flyer.rails)
