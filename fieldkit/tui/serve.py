@@ -197,7 +197,7 @@ MAX_MESSAGE = 1 << 20
 HEARTBEAT = 15.0
 """Interval of checks that a page is still connected. [s]"""
 PATIENCE = 5.0
-"""How long an app may take to exit after its page has closed. [s]"""
+"""How long an app may take to exit after its page has closed, before its input is closed. [s]"""
 WebHandler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -258,13 +258,20 @@ async def _passed_on(received: tuple[str, Any] | None, page: web.WebSocketRespon
 
 
 async def _end(service: AppService) -> None:
-    """End an app by closing its input, after which it exits by itself: an app that blocks on output that nobody reads
-    would not receive a request to quit."""
+    """End an app: ask it to quit, and close its input if it takes long, after which it exits by itself."""
+    stopped = asyncio.ensure_future(service.stop())
     try:
-        with suppress(TimeoutError):
-            await asyncio.wait_for(service.stop(), PATIENCE)
+        await asyncio.wait([stopped], timeout=PATIENCE)
     finally:
         service.stdin.close()
+    await stopped
+
+
+async def _sent(send: Callable[[Any], Awaitable[None]], data: bytes | str) -> None:
+    """Send an app's output to its page, if that is still open. The rest is read too: the app would otherwise block in a
+    write and never end."""
+    with suppress(ConnectionResetError):
+        await send(data)
 
 
 def within(text: str, most: int) -> int:
@@ -338,8 +345,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             await page.prepare(request)
             service = AppService(
                 self.command,
-                write_bytes=page.send_bytes,
-                write_str=page.send_str,
+                write_bytes=partial(_sent, page.send_bytes),
+                write_str=partial(_sent, page.send_str),
                 close=page.close,
                 download_manager=self.download_manager,
             )

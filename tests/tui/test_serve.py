@@ -570,7 +570,7 @@ async def test_apps_whose_output_is_not_read_end_with_their_server_or_page(
         base, query = link.split("/?")
         async with asyncio.timeout(PATIENCE), ClientSession() as http:
             await listening_(http, link)
-            async with http.ws_connect(f"{base}/ws?width=250&height=90&{query}", origin=base) as socket:
+            async with http.ws_connect(f"{base}/ws?width=500&height=200&{query}", origin=base) as socket:
                 async for message in socket:
                     if message.type is WSMsgType.BINARY and b"No flights yet today" in message.data:
                         break
