@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push
 from fieldkit.analysis.hard_boost import checked_by_climb
-from fieldkit.analysis.phases import LEAST_GAIN, LONGEST_CLIMB, Outline
+from fieldkit.analysis.phases import LEAST_GAIN, LONGEST_CLIMB, TERRAIN_SD, Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step, running_median
 from fieldkit.integrals import running_integral
@@ -38,6 +38,8 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     felt = _by_push(push, track, seen) if push else None
     if felt is not None:
         return felt
+    if seen.lift is None and seen.pad_sd >= TERRAIN_SD:  # the first heights are not above the pad
+        return None
     corner = _by_rise(track, seen)
     if corner is not None and track.is_barometric:
         corner = _by_dive(corner, track, seen) or corner

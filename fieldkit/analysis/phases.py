@@ -21,6 +21,11 @@ _MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
 _ZERO, _GROUND = 1.0, 20.0
 """Drift of a logger's own zero while it waits, and the largest difference of the landing from it that is attributed to
 the zero instead of the terrain. [m]"""
+TERRAIN_SD = 10.0
+"""Standard deviation of the ground where a rocket lands, above the pad. [m]"""
+_FEWEST_FIRST, _LOST_TIME, _FAST_AT_ZERO = 6, 0.15, 10.0
+"""Fewest heights that show the speed of a climb at zero [1], for how long those before them may be lost as spikes [s],
+and such a speed that is not that of a start [m/s]."""
 WIND_PRESSURE_SD = 0.15
 """Standard deviation of heights from the pressure of gusts, U u / g by Bernoulli's equation: gusts u of 0.5 m/s in a
 wind U of 3 m/s. A few seconds later it is another. [m]"""
@@ -218,7 +223,7 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     is infinite.
     """
     if lift is None:
-        return (0.0, _own_zero(track)) if track.zeroed else (float(track.height[0]), np.inf)
+        return _zero_in_flight(track) if track.zeroed else (float(track.height[0]), np.inf)
     before = (track.time < lift - 0.1) & (track.time > lift - 10)
     before = before if before.sum() >= 3 else track.time <= lift
     height = track.height[before]
@@ -249,6 +254,39 @@ def _drift(track: Heights, lift: float) -> float:
     sure = abs(steps.sum()) > 4 * track.noise / np.sqrt(height.size / _PARTS)
     is_monotonic = bool((np.sign(steps) == np.sign(steps[0])).all())
     return float(np.median(np.abs(steps)) / (np.ptp(time) / _PARTS)) if sure and is_monotonic else 0.0
+
+
+def _zero_in_flight(track: Heights) -> tuple[float, float]:
+    """The pad's height in a log that begins in the climb, by the logger's own zero, and its standard deviation. [m]
+
+    A logger that was switched on again in flight, or begins when it notices one, sets its zero there: then it shows a
+    fast climb at zero. Nothing but the ground where the rocket comes to rest shows the pad then.
+    """
+    if not _is_fast_at_zero(track):
+        return 0.0, _own_zero(track)
+    rest = rest_level(track)
+    return (float(track.height[0]), np.inf) if rest is None else (rest, TERRAIN_SD)
+
+
+def _is_fast_at_zero(track: Heights) -> bool:
+    """Whether the first heights, as those of an even acceleration, are about zero and climb fast there.
+
+    Derivation: v² - 2 a h, which is zero for heights of a flight from rest at zero.
+    """
+    first = slice(0, max(_FEWEST_FIRST, int(np.searchsorted(track.time, track.time[0] + _TOP_WINDOW / 2))))
+    time, height = track.time[first] - track.time[0], track.height[first]
+    if time.size < _FEWEST_FIRST or time[-1] > _TOP_WINDOW:
+        return False
+    terms = np.column_stack([np.ones(time.size), time, time**2 / 2])
+    (start, speed, push), *_ = np.linalg.lstsq(terms, height, rcond=None)
+    near = max(_ZERO, 4 * track.noise)
+    if not -near < start < near + _LOST_TIME * speed:
+        return False
+    scatter = max(track.noise, float(np.std(height - terms @ (start, speed, push))))
+    errors = scatter * np.sqrt(np.diag(np.linalg.inv(terms.T @ terms)))
+    squared = float(speed**2 - 2 * push * start)
+    sd = float(np.linalg.norm([2 * speed * errors[1], 2 * push * errors[0], 2 * start * errors[2]]))
+    return squared - 3 * sd > _FAST_AT_ZERO**2
 
 
 def _own_zero(track: Heights) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.flight import Flight
 from fieldkit.importing import ImportedFile
 from fieldkit.importing.read import read
 from fieldkit.importing.tables.mapping import read_choice
@@ -357,3 +358,52 @@ def test_what_a_sketch_prints_instead_of_a_number_costs_no_row(mark: str) -> Non
     imported = opened(table("time (s),altitude (m),temp (C)", TIME, heights, 21 + 0 * TIME))
     assert imported.flights[0].apogee == pytest.approx(APOGEE, rel=0.01)
     assert not any("expected a number" in str(note) for note in (*imported.notes, *imported.rejected))
+
+
+@pytest.mark.parametrize("part", [0.03, 0.1, 0.3])
+@pytest.mark.parametrize("mark", ["65535", "-999", "9999.99", "4294967295", "-32768"])
+@pytest.mark.parametrize(("name", "column"), [("altitude (m)", SEEN), ("pressure (hPa)", PRESSURE / 100)])
+def test_numbers_that_mark_a_missing_reading_are_none(part: float, mark: str, name: str, column: np.ndarray) -> None:
+    cells = [f"{one:.2f}" for one in column.tolist()]
+    for place in np.random.default_rng(3).choice(TIME.size, int(part * TIME.size), replace=False).tolist():
+        cells[place] = mark
+    assert apogee(table(f"time (s),{name}", TIME, cells)) == pytest.approx(APOGEE, rel=0.02)
+
+
+def test_a_mark_of_a_missing_pressure_does_not_decide_its_unit() -> None:
+    cells = [("65535" if place % 25 == 7 else f"{one:.0f}") for place, one in enumerate((PRESSURE / 10).tolist())]
+    with pytest.raises(DamagedLog, match=r"log\.csv, pressure_dapa: found .*unit"):
+        opened(table("time_ms,pressure_dapa", 1000 * TIME, cells))
+
+
+@pytest.mark.parametrize("mark", ["n/a", "#N/A", "null", "None", "inf", "#DIV/0!"])
+def test_a_word_for_a_missing_reading_may_begin_a_table(mark: str) -> None:
+    heights = [mark if place % 3 == 0 else f"{one:.2f}" for place, one in enumerate(SEEN.tolist())]
+    assert apogee(table("time_s,altitude_m", TIME, heights)) == pytest.approx(APOGEE, rel=0.01)
+
+
+def test_an_acceleration_of_nine_point_eight_g_at_rest_is_in_another_unit() -> None:
+    (flight,) = opened(table("time (s),altitude (m),accel (g)", TIME, SEEN, GRAVITY * FELT)).flights
+    assert flight.apogee == pytest.approx(APOGEE, rel=0.01)
+    assert flight.peak_accel == pytest.approx(PUSH, rel=0.1)
+
+
+@pytest.mark.parametrize("begins", [0.5, 1.0, 2.5])
+@pytest.mark.parametrize("felt", [False, True])
+def test_heights_that_a_logger_zeroed_in_flight_are_not_above_the_pad(begins: float, felt: bool) -> None:
+    log = np.flatnonzero(begins <= TIME)
+    names, columns = "time (s),altitude (m)", [TIME[log], SEEN[log] - HEIGHT[log][0]]
+    cut_off = opened_or_none(table(names + ",accel (g)" * felt, *columns, *([FELT[log]] if felt else [])))
+    assert cut_off is None or cut_off.apogee is None
+    rest = np.arange(TIME[-1] + 0.05, 70.0, 0.05)
+    down = np.maximum(APOGEE - SINKS * (rest - _TOP), 0) - HEIGHT[log][0]
+    columns = [np.append(one, more) for one, more in zip(columns, (rest, down), strict=True)]
+    whole = opened_or_none(table(names, *columns))
+    assert whole is not None
+    assert whole.burn_time is None
+    assert whole.apogee is None or abs(whole.apogee - APOGEE) < 2 * whole.sd["apogee"]
+
+
+def opened_or_none(log: bytes) -> Flight | None:
+    """The flight of a log, if it has a readout."""
+    return next(iter(opened(log).flights), None)

@@ -9,8 +9,12 @@ from fieldkit.units import Unit
 
 MAX_CELL_VALUE = 1e30
 """Largest magnitude accepted in a log; anything larger would overflow when squared. [any unit]"""
-ABSENT_MARKS = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na", "ovf", "err", "error", "invalid"})
-"""Contents of a cell, ignoring case, when the logger had no number; Arduino prints `ovf` for one too large."""
+_SPREADSHEET_ERRORS = ("#n/a", "#nv", "#value!", "#div/0!", "#num!", "#ref!", "#null!")
+ABSENT_MARKS = frozenset(
+    {"", "-", "--", "nan", "none", "null", "n/a", "na", "ovf", "err", "error", "invalid", *_SPREADSHEET_ERRORS}
+)
+"""Contents of a cell, ignoring case, when the logger or a formula had no number; Arduino prints `ovf` for one too
+large."""
 SI = Unit(1.0)
 
 

@@ -26,6 +26,7 @@ from fieldkit.importing.tables.headings import (
     unit_named,
 )
 from fieldkit.importing.tables.layout import Layout
+from fieldkit.importing.tables.missing_marks import without_marks
 from fieldkit.importing.tables.positions import falls_in_a_climb, is_elevation, points_down, third_axis
 from fieldkit.importing.tables.text import no_column, shown
 from fieldkit.importing.tables.unit_inference import settle_pressure
@@ -322,7 +323,7 @@ def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     if pick.channel == "time":
         within_minute = len(heading(pick.name).words) == 1 and plain(pick.unit or pick.name) == "s"
         return _running_on(_of_digits(values), (60.0,) if within_minute else ())
-    values = np.where(np.abs(values) < LIMIT, values, np.nan)
+    values = without_marks(np.where(np.abs(values) < LIMIT, values, np.nan))
     return _unwrapped(values) if pick.channel in (*HEIGHTS, "pressure") else values
 
 

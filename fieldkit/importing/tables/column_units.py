@@ -86,7 +86,7 @@ def units_of(
             )
         if name not in units:
             left_out[pick.name] = NO_UNIT
-    if "felt?" in units and not _settle_kind(values, units):
+    if "felt?" in units and not _settle_kind(values, units, chosen=by_channel["felt?"].chosen):
         left_out[by_channel["felt?"].name] = NO_KIND
     _settle_zero(values, units, by_channel)
     return units, left_out
@@ -222,12 +222,18 @@ def _settle_net(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[U
             values[name] = -values[name]
 
 
-def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> bool:
-    """Rename an acceleration to what it proves to be, felt or net; False if neither."""
+def _settle_kind(
+    values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]], *, chosen: bool
+) -> bool:
+    """Rename an acceleration to what it proves to be, felt or net; False if neither. One of 9.8 g at rest is in another
+    unit, unless the user has `chosen` it."""
     unit = units.pop("felt?")
     time = to_si(units["time"][0], values["time"]) if "time" in units else None
     felt = to_si(unit[0], values["felt?"])
     at_rest, why = rest(felt, time) / STANDARD_GRAVITY, "from its value at rest"
+    if 0.9 < abs(at_rest) / STANDARD_GRAVITY < 1.1 and not chosen:  # in m/s^2, although its name says g
+        unit = UNITS["acceleration"]["m/s2"], "m/s2", why
+        felt, at_rest = felt / STANDARD_GRAVITY, at_rest / STANDARD_GRAVITY
     name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
     sign = -1 if name == "felt" and at_rest < 0 else 1
     if name != "felt" and time is not None and "altitude" in units:  # it may begin in flight

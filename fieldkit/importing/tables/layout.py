@@ -29,7 +29,8 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*na
 _CLOCK = re.compile(r"\d:\d\d")
 _WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*([A-Za-z°%][A-Za-z°%/²]{0,4})\s*")
 """A number with its unit in the cell, such as `57.6F` or `12.3 m/s`."""
-_ABSENT_MARKS = ABSENT_MARKS | {"inf", "true", "false"}
+_ABSENT_MARKS = ABSENT_MARKS | {"inf", "-inf", "true", "false"}
+_WORDS_FOR_MISSING = frozenset(word for word in (*ABSENT_MARKS, "inf", "-inf") if any(map(str.isalpha, word)))
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMALS = {mark: re.compile(rf"\s*[+-]?\d*[{mark}]\d+([eE][+-]?\d+)?\s*") for mark in ",."}
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}[,.]\d{3}\s*")
@@ -151,12 +152,15 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
 def _numbers(cells: Sequence[str], separator: str | None) -> bool:
     """Whether most cells are numbers, and the others single words or numbers with a unit.
 
-    A sensor that starts late writes `nan` at first.
+    A sensor that starts late writes `nan` or another word for a missing number at first: beside a number it counts as
+    one.
     """
     absent = _ABSENT_MARKS - {"nan"}
     values = [c for c in cells if c.strip().lower() not in absent]
     count = sum(_is_number(cell) or _WITH_UNIT.fullmatch(cell) is not None for cell in values)
-    return count >= 2 and count * 2 > len(values) and not (separator is None and any("," in cell for cell in cells))
+    missing = sum(c.strip().lower() in _WORDS_FOR_MISSING - {"nan"} for c in cells) if count else 0
+    most = count + missing >= 2 and (count + missing) * 2 > len(values) + missing
+    return most and not (separator is None and any("," in cell for cell in cells))
 
 
 def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
