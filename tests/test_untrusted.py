@@ -21,7 +21,7 @@ from fieldkit import files
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog, LedgerError
 from fieldkit.flight import Flight
-from fieldkit.flight.limits import MAX_NAME
+from fieldkit.flight.storable import MAX_NAME
 from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger
 from fieldkit.motors import own

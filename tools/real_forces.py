@@ -132,7 +132,7 @@ def brakes(folder: Path) -> Iterator[str]:
 
 def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[str]:
     """The drag of each flight relative to the rocket's own, and the errors of forecasts."""
-    from fieldkit.flight.further import STATE_COLUMN
+    from fieldkit.flight.typed_columns import STATE_COLUMN
     from fieldkit.model.readout_data import observe
     from fieldkit.motors import catalogue
     from fieldkit.selection.diagnose import Diagnosis, diagnose

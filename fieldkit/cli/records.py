@@ -16,9 +16,9 @@ from fieldkit.cli.stream import stream_json, stream_table
 from fieldkit.errors import FieldkitError, LedgerError, nearest, unknown
 from fieldkit.flight import BY_NAME, TAGS, read_tags
 from fieldkit.flight.event_names import event_title
-from fieldkit.flight.limits import check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
+from fieldkit.flight.storable import check_name
 from fieldkit.presentation.export import document
 from fieldkit.quantities import counted, in_system, measure, significant, with_sd
 from fieldkit.services.names import same_name

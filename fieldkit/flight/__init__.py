@@ -13,6 +13,7 @@ from fieldkit.flight.columns import (
     LOG_FIGURES,
     LOGGED,
     MEASURED,
+    MOTOR_TEMPERATURE,
     READOUTS,
     SETUP,
     TWO_DEVICES,
@@ -21,7 +22,7 @@ from fieldkit.flight.columns import (
 from fieldkit.flight.flight import FIELDS, Flight
 from fieldkit.flight.readout import SENSORS, SOURCES, Readout
 from fieldkit.flight.series import Series
-from fieldkit.flight.table import MOTOR_TEMPERATURE, TEXT_COLUMNS, read_date, table_headers, table_row
+from fieldkit.flight.table import TEXT_COLUMNS, read_date, table_headers, table_row
 from fieldkit.flight.tags import CHECKED_TAG, KNOWN_TAGS, TAGS, read_tags
 
 __all__ = [

@@ -134,6 +134,8 @@ TWO_DEVICES = (
 """Figures that a log shows of a descent on a drogue and a main: extra columns of a flight (`fieldkit.flight.recovery`),
 with a standard deviation if they were measured."""
 
+MOTOR_TEMPERATURE = "motor_temperature_c"
+"""Extra column of a planned flight: motor temperature, used only in a safety check."""
 WEATHER = ("wind", "temperature", "pressure", "humidity")
 """Names of the conditions that belong to the day, not to the rocket or the site."""
 COLUMNS = SETUP + CONDITIONS + READOUTS

@@ -9,6 +9,7 @@ from fieldkit.flight.columns import MEASURED, Column
 from fieldkit.flight.log_origin import LogOrigin, log_origin
 from fieldkit.flight.readout import Readout
 from fieldkit.flight.tags import TAGS
+from fieldkit.flight.typed_columns import NO_COLUMNS, TypedColumns, typed_columns
 
 _NONE_RECORDED: Mapping[str, Any] = {}
 """What most flights have in `sd`, `source` and `extra`: the same for all, as a table may have 100,000 flights."""
@@ -21,7 +22,8 @@ class Flight:
     `rocket` and `flight_id` together identify it. `motor` is as printed, with the delay if it has one. `sd` and
     `source` map readout names to the standard deviation and the origin (one of `SOURCES`), if recorded. `extra`
     contains the text of all other columns of a flight table: those that only some flights have, such as the recovery
-    (`fieldkit.flight.recovery`), and those that fieldkit does not know.
+    (`fieldkit.flight.recovery`), and those that fieldkit does not know; `columns` has the former typed, whenever a
+    flight gets its texts.
     """
 
     flight_id: str = ""
@@ -58,6 +60,11 @@ class Flight:
     sd: Mapping[str, float] = field(default_factory=lambda: _NONE_RECORDED)
     source: Mapping[str, str] = field(default_factory=lambda: _NONE_RECORDED)
     extra: Mapping[str, str] = field(default_factory=lambda: _NONE_RECORDED)
+    columns: TypedColumns = field(default=NO_COLUMNS, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.columns.texts is not self.extra:  # not typed yet: its further columns are new
+            object.__setattr__(self, "columns", typed_columns(self.extra))
 
     @property
     def clean(self) -> bool:
@@ -131,4 +138,4 @@ class Flight:
         return replace(self, source={**self.source, **added}) if added else self
 
 
-FIELDS = tuple(f.name for f in fields(Flight))
+FIELDS = tuple(f.name for f in fields(Flight) if f.compare)

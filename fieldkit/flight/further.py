@@ -1,16 +1,10 @@
-"""Further columns of a flight table, which only some flights have: those with a meaning, typed, and the flyer's own."""
+"""Further columns of a flight table whose texts are names or the flyer's own."""
 
 import re
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 
-from fieldkit import units
-from fieldkit.errors import BadValue
-from fieldkit.flight.columns import BY_NAME
 from fieldkit.flight.flight import Flight
-from fieldkit.flight.limits import check
-from fieldkit.flight.table import MOTOR_TEMPERATURE
-from fieldkit.messages import marked, message
 
 LOT_WORDS = ({"lot"}, {"batch"})
 """What the header of a column of lots says, besides `FURTHER_WORDS`."""
@@ -21,8 +15,6 @@ TIMERS = ("timer_1_s", "timer_2_s")
 """Columns with what each of two watches showed."""
 JUDGED_COLUMNS = (*TIMERS, "eggs", "disqualified")
 """Columns in which a contest flight is judged."""
-STATE_COLUMN, STATES = "drag_step", {"yes": True, "open": True, "no": False, "shut": False}
-"""Column in which a flyer records whether the drag of a flight switched, and its values."""
 
 
 def texts_under(flight: Flight, is_named: Callable[[str], bool]) -> list[str]:
@@ -44,23 +36,6 @@ def names_a_lot(header: str) -> bool:
 def names_a_device(header: str) -> bool:
     """Whether a column of a flyer's table has the altimeter, by its header."""
     return header.casefold().strip() in DEVICE_HEADERS
-
-
-def drag_switches(flight: Flight) -> bool | None:
-    """Whether the drag of a flight switches, as the flyer recorded it; None if not."""
-    return STATES.get(flight.text(STATE_COLUMN).strip().lower())
-
-
-def motor_temperature(plan: Flight) -> float | None:
-    """The motor temperature declared with the plan, or None. [K] Raises BadValue for a non-number or an implausible
-    value.
-    """
-    text = plan.text(MOTOR_TEMPERATURE)
-    try:
-        value = units.parse(text, "temperature", "c") if text else None
-        return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
-    except BadValue as error:
-        raise BadValue(message(f"motor temperature: {marked(error)}")) from error
 
 
 def headers(flights: Sequence[Flight]) -> list[str]:

@@ -4,8 +4,6 @@ from dataclasses import replace
 from datetime import timedelta
 
 from fieldkit.flight.flight import Flight
-from fieldkit.flight.further import motor_temperature
-from fieldkit.flight.recovery import check_recovery, rail_direction, recovery_of, stability
 
 STAGED_TAG = "staged"
 """The tag of a flight on several stages, whose dry mass may include boosters that another plan does not carry."""
@@ -13,8 +11,7 @@ STAGED_TAG = "staged"
 
 def check_plan(plan: Flight) -> None:
     """Raise BadValue for a further column of a plan that has a meaning and cannot be read, or is beyond its limits."""
-    for check in (motor_temperature, recovery_of, check_recovery, rail_direction, stability):
-        check(plan)
+    plan.columns.check()
 
 
 def repeated(flight: Flight) -> Flight:

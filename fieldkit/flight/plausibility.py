@@ -15,7 +15,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
 from fieldkit.flight.limits import check
-from fieldkit.flight.recovery import IN_EVERY_FIT, check_recovery, rail_direction
+from fieldkit.flight.recovery import IN_EVERY_FIT
 from fieldkit.flight.unit_slips import unit_slip
 from fieldkit.messages import TextWithAmounts, marked, message, of_column
 
@@ -178,9 +178,7 @@ def _impossible(flight: Flight) -> str:
         except BadValue as error:
             return f"{column.title.lower()}: {marked(error)}"
     try:
-        if flight.extra:
-            check_recovery(flight, IN_EVERY_FIT)
-            rail_direction(flight)
+        flight.columns.check(*IN_EVERY_FIT, "rail_direction")
     except BadValue as error:
         return marked(error)
     return ""

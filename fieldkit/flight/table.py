@@ -8,8 +8,6 @@ from fieldkit.flight.columns import COLUMNS, CONDITIONS, LOGGED, MEASURED, READO
 from fieldkit.flight.flight import Flight
 from fieldkit.flight.readout import render_sd
 
-MOTOR_TEMPERATURE = "motor_temperature_c"
-"""Extra column of a planned flight: motor temperature, used only in a safety check."""
 TEXT_COLUMNS = ("flight_id", "date_time", "rocket", "config", "motor", "site", "tags", "notes", "log")
 """The columns of a flight table that are not numbers."""
 

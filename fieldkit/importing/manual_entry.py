@@ -26,9 +26,10 @@ from fieldkit.flight import (
 )
 from fieldkit.flight.further import JUDGED_COLUMNS, TIMERS
 from fieldkit.flight.judged import condition_of_eggs, read_eggs, read_timer
-from fieldkit.flight.limits import NAMES, check, check_name
+from fieldkit.flight.limits import check
 from fieldkit.flight.plausibility import doubted
 from fieldkit.flight.readout import beside
+from fieldkit.flight.storable import NAMES, check_name
 from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.messages import TextWithAmounts, marked, message

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
-from fieldkit.flight.limits import check, check_keys, check_texts, long_names
+from fieldkit.flight.limits import check
 from fieldkit.flight.plan import check_plan
 from fieldkit.flight.plausibility import doubts
+from fieldkit.flight.storable import check_keys, check_texts, long_names
 from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown

@@ -7,8 +7,8 @@ from sqlalchemy import Connection, func, select
 
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
-from fieldkit.flight.limits import check_keys
 from fieldkit.flight.short_name import flight_label
+from fieldkit.flight.storable import check_keys
 from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger.finding import Identity, StoredFlight, find, of_logs
 from fieldkit.ledger.journal import ChangeRecorder

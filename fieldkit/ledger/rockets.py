@@ -7,7 +7,7 @@ from typing import Any
 
 from sqlalchemy import Connection, and_, select
 
-from fieldkit.flight.limits import check_key
+from fieldkit.flight.storable import check_key
 from fieldkit.ledger.checksums import sound_rows
 from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.tables import configurations

@@ -8,7 +8,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES, Flight
-from fieldkit.flight.limits import check_texts
+from fieldkit.flight.storable import check_texts
 from fieldkit.ledger.records import FlightSummary
 
 Row = dict[str, Any]

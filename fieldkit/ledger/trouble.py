@@ -9,7 +9,7 @@ from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError
 
 from fieldkit.errors import LedgerError, UnusableLedger
-from fieldkit.flight.limits import MAX_KEY_SIZE
+from fieldkit.flight.storable import MAX_KEY_SIZE
 from fieldkit.ledger import backups, soundness
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.schema import missing

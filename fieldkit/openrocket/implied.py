@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import recovery_texts
 from fieldkit.motors import Found, catalogue
 from fieldkit.openrocket.parts import copies, everything, number
 from fieldkit.openrocket.stored import shown
@@ -78,7 +77,7 @@ def flown_again(root: "Element", dry_mass: float, diameter: float, cd: float) ->
     for name, plan, motor, apogee in _flown(root, dry_mass, diameter):
         with suppress(FieldkitError, ValueError):
             level = field_flight(plan, motor, cd, 1.0)["true_apogee_m"]
-            rod = recovery_texts(plan, ["rail_direction"])
+            rod = plan.columns.as_recorded(["rail_direction"])
             growing = field_flight(plan.with_changes(extra=rod), motor, cd, 1.0)["true_apogee_m"]
             named = f"{motor.motor.maker} {motor.motor.designation}"
             found.append(FlownAgain(name, named, apogee, level, growing, plan.wind or 0.0))

@@ -7,8 +7,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.further import drag_switches, names_a_device, text_under
-from fieldkit.flight.recovery import UNCERTAIN_WEATHER, LaunchConditions, launch_conditions
+from fieldkit.flight.further import names_a_device, text_under
+from fieldkit.flight.launch_conditions import LaunchConditions, launch_conditions
+from fieldkit.flight.recovery import UNCERTAIN_WEATHER
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics import setups
@@ -74,7 +75,7 @@ class History:
     @property
     def drag_switches(self) -> tuple[bool | None, ...]:
         """Whether the drag of each flight switches, as the flyer recorded it; None if not."""
-        return self.once("drag switches", lambda: tuple(drag_switches(flight) for flight in self.flights))
+        return self.once("drag switches", lambda: tuple(flight.columns.drag_switched for flight in self.flights))
 
     def weather_sd(self, name: str) -> Float[Array, "flight"]:
         """Recorded standard deviation of one of `UNCERTAIN_WEATHER`, 0 if there is none. [K, Pa, m/s]"""
@@ -121,7 +122,7 @@ def history_of(
     used_in_fit: Sequence[bool] | None = None,
 ) -> History:
     """The history of a rocket whose first `flown` flights, by default all, have flown, and by default the clean ones
-    are used in the fit. The flight index counts from 0 by default. Text is read here."""
+    are used in the fit. The flight index counts from 0 by default."""
     count = len(flights) if flown is None else flown
     used = [flight.clean for flight in flights[:count]] if used_in_fit is None else used_in_fit
     order = range(len(flights)) if flight_index is None else flight_index
@@ -168,7 +169,7 @@ def field_setup(
 
 
 def recorded_wind(flight: Flight) -> WindProfile:
-    """Wind profile of a flight; calm if none was recorded. Raises BadValue for one that cannot be read."""
+    """Wind profile of a flight; calm if none was recorded."""
     return setups.wind_profile(flight.wind, launch_conditions(flight))
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import DESCENT_SPEED, LaunchConditions
+from fieldkit.flight.launch_conditions import LaunchConditions
+from fieldkit.flight.recovery import DESCENT_SPEED
 from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import altimeter_gain, pad_air, standard_temperature

@@ -138,8 +138,7 @@ def ballast(
 ) -> Ballast:
     """The dry mass within `bounds` [kg] that best meets a goal; with a season the duration counts as well.
 
-    The apogee is as the altimeter reads it, including its error. Raises ImpossibleFlight if no mass lifts off, BadValue
-    for a recovery device that cannot be read.
+    The apogee is as the altimeter reads it, including its error. Raises ImpossibleFlight if no mass lifts off.
     """
     from scipy.interpolate import PchipInterpolator  # takes 0.3 s to import
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.descent import DescentResult, Devices, FreeFall, descend, filling
 from fieldkit.physics.history import recorded_wind
@@ -24,10 +23,9 @@ def descents(
     """The descent of each draw of a forecast at a descent speed near the ground [m/s].
 
     The charge fires after the plan's delay; if no delay is known, or if an altimeter opens two devices, at apogee. A
-    draw that reaches the ground first, or before anything is open, lands ballistic. Raises BadValue for a recovery
-    device or a wind that cannot be read.
+    draw that reaches the ground first, or before anything is open, lands ballistic.
     """
-    plan, recovery = prediction.plan, recovery_of(prediction.plan)
+    plan, recovery = prediction.plan, prediction.plan.columns.recovery
     air = air_at_pads([plan])
     wait = prediction.eject if _has_delay(prediction) and not recovery.dual else np.zeros(len(speed))
     mass, density = landing_mass(plan, prediction.found), float(air.density[0])
@@ -46,8 +44,7 @@ def descents(
 def durations(
     predictions: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
-    """Time from lift-off to landing at these descent speeds near the ground; ballistic if nothing opened. [s] Raises
-    BadValue as `descents`."""
+    """Time from lift-off to landing at these descent speeds near the ground; ballistic if nothing opened. [s]"""
     columns = [
         one.rise_time + descents(one, fall, speed).time for one, speed in zip(predictions, speeds.T, strict=True)
     ]
@@ -58,7 +55,7 @@ def common_durations(
     predictions: Sequence[Prediction], fall: Fall, area: float = 1.0, seed: int = 7
 ) -> Float[Array, "draw flight"]:
     """The same for forecasts of one rocket in the same air, with common random descents under a fraction of the
-    parachute's area [1]; 0 for a draw that stays on the pad. [s] Raises BadValue as `descents`."""
+    parachute's area [1]; 0 for a draw that stays on the pad. [s]"""
     density, count = float(air_at_pads([predictions[0].plan]).density[0]), len(predictions[0].apogee)
     speeds = [
         fall.speeds(np.random.default_rng(seed), (count, 1), landing_mass(one.plan, one.found), density, area)

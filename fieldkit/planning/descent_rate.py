@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import DESCENT_SPEED, Device, Recovery, can_be_read, recovery_of
+from fieldkit.flight.recovery import DESCENT_SPEED, Device, Recovery
+from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
 from fieldkit.motors import Found
 from fieldkit.physics.descent import PARACHUTE_CD
 from fieldkit.planning.flown_descent import DROGUE_SPEED, air_at_pads, landing_mass, shown_speeds
@@ -104,8 +105,8 @@ def usual(device: Device = "parachute", mass: float = USUAL_MASS, density: float
 
 def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None, found: Found | None = None) -> Fall:
     """The descent of a rocket from its flights without anomaly tags, on the plan's device and parachute if named; else
-    from the entered values; else the default at the plan's landing mass on its motor. Raises BadValue for a recovery
-    device of the plan that cannot be read, ImpossibleFlight for a flight without a dry mass.
+    from the entered values; else the default at the plan's landing mass on its motor. Raises
+    ImpossibleFlight for a flight without a dry mass.
     """
     return completed_fall(flown_falls(history, plan), plan, found)
 
@@ -117,25 +118,24 @@ FlownFalls = tuple[Fall | None, Fall | None]
 def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> FlownFalls:
     """The descent measured in a rocket's flights without anomaly tags, on the plan's device and parachute if named.
 
-    Raises BadValue for a recovery device of the plan that cannot be read, ImpossibleFlight for a flight without a dry
-    mass.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
-    wanted = recovery_of(plan) if plan is not None else None
-    known = ((flight, found) for flight, found in history if flight.clean and can_be_read(flight))
-    used = [(flight, found) for flight, found in known if _same_device(flight, wanted)]
+    wanted = plan.columns.recovery if plan is not None else None
+    used = [
+        (flight, found)
+        for flight, found in history
+        if flight.clean and flight.columns.readable("recovery", *RECOVERY_LIMITS) and _same_device(flight, wanted)
+    ]
     shown = [shown_speeds(flight, found) for flight, found in used]
     drogue = _pooled([one[1] for one in shown], used) if wanted is not None and wanted.dual else None
     return _pooled([one[0] for one in shown], used), drogue
 
 
 def completed_fall(flown: FlownFalls, plan: Flight | None = None, found: Found | None = None) -> Fall:
-    """The descent measured in flights, completed with the plan's entered values or with defaults.
-
-    Raises BadValue for a recovery device of the plan that cannot be read.
-    """
+    """The descent measured in flights, completed with the plan's entered values or with defaults."""
     if plan is None:
         return flown[0] or usual()
-    wanted, mass, density = recovery_of(plan), USUAL_MASS, float(air_at_pads([plan]).density[0])
+    wanted, mass, density = plan.columns.recovery, USUAL_MASS, float(air_at_pads([plan]).density[0])
     if plan.dry_mass is not None:
         mass = plan.dry_mass + (found.motor.casing_mass if found is not None else 0.0)
     fall = flown[0] or _typed(wanted, mass, density) or usual(wanted.device, mass, density)
@@ -148,7 +148,7 @@ def _same_device(flight: Flight, wanted: Recovery | None) -> bool:
     """Whether a flight used the device of a plan, and its parachute if the plan names one."""
     if wanted is None:
         return True
-    own = recovery_of(flight)
+    own = flight.columns.recovery
     typed = wanted.main_speed, wanted.parachute_diameter
     return own.device == wanted.device and (typed == (None, None) or typed == (own.main_speed, own.parachute_diameter))
 

@@ -110,7 +110,7 @@ def finals_plan(
     lightest: float | None = None,
 ) -> FinalsPlan:
     """A plan for every target that the finals of a season may have, with masses from the `lightest` [kg]; `checks` are
-    those of a forecast with a fraction of the parachute's area. Raises ImpossibleFlight and BadValue as `trials`."""
+    those of a forecast with a fraction of the parachute's area. Raises ImpossibleFlight as `trials`."""
     flown = trials(plan, rule, (lightest, None))
     table = finals_table(flown, rule, finals_targets(rule))
     ends = end_flights(plan, table)
@@ -122,8 +122,7 @@ def finals_plan(
 def trials(plan: Plan, rule: Season, bounds: tuple[float | None, float | None] = (None, None)) -> TrialFlights:
     """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg].
 
-    Raises ImpossibleFlight for a plan without a dry mass, or if no mass within bounds lifts off; BadValue for a
-    recovery device that cannot be read.
+    Raises ImpossibleFlight for a plan without a dry mass, or if no mass within bounds lifts off.
     """
     from scipy.interpolate import PchipInterpolator  # takes 0.3 s to import
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import TWO_DEVICES, Flight
-from fieldkit.flight.recovery import DESCENT_SPEED, Recovery, measured_sd, recovery_of
+from fieldkit.flight.recovery import DESCENT_SPEED, Recovery
 from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
 from fieldkit.physics.descent import Devices, FreeFall, fall_time, filling, lag, opening_time, sink
@@ -48,11 +48,10 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
     The speeds under two devices that a log shows are used as they are, because each is the slope of its own part of the
     descent. Otherwise a duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it
     is preferred over a descent speed; with two devices the descent speed is the main's, and the duration determines the
-    drogue's. Raises BadValue for a recovery device that cannot be read, ImpossibleFlight for a flight without a dry
-    mass.
+    drogue's. Raises ImpossibleFlight for a flight without a dry mass.
     """
-    duration, recovery = _timed(flight), recovery_of(flight)
-    drogue_speed = recovery.drogue_speed if measured_sd(flight, TWO_DEVICES[0]) else None
+    duration, recovery = _timed(flight), flight.columns.recovery
+    drogue_speed = recovery.drogue_speed if flight.columns.sd.get(TWO_DEVICES[0].name) else None
     if drogue_speed is not None or duration is None or flight.apogee is None or flight.dry_mass is None:
         return flight.descent_speed, drogue_speed
     path = _path(flight, found, recovery)

@@ -7,7 +7,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue, unknown
 from fieldkit.files import read_own, replace, toml_of
-from fieldkit.flight.limits import check_name
+from fieldkit.flight.storable import check_name
 from fieldkit.planning.kits import KIT_KEYS, LARGEST_FIGURE, Kit, read_kits
 
 _OWN_LINE = re.compile(rf"\s*(?:{'|'.join(KIT_KEYS)})\s*=")

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.flight import BY_NAME, Flight
-from fieldkit.flight.recovery import DIRECTIONS, measured_sd, stability
+from fieldkit.flight import Flight
+from fieldkit.flight.recovery import DIRECTIONS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.descent import DescentResult
 from fieldkit.physics.history import recorded_wind
@@ -146,8 +146,7 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     """Landing points and durations for the draws of a forecast, with random deviations of the wind from the declared
     one and of the climb's drift from its forecast.
 
-    Without a wind, only the rail angle causes drift, and the landing point is unknown. Raises BadValue for a static
-    margin, a recovery device or a wind that cannot be read.
+    Without a wind, only the rail angle causes drift, and the landing point is unknown.
     """
     rng = np.random.default_rng(seed)
     count = len(prediction.apogee)
@@ -158,7 +157,8 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     down = down_in()
     stronger = np.exp(log_wind_sd(prediction.plan) * rng.normal(size=count))
     turned = WIND_DIRECTION_SD * rng.normal(size=count)
-    climb = np.exp((CLIMB_SD if stability(prediction.plan) else CLIMB_SD_OF_UNKNOWN_STABILITY) * rng.normal(size=count))
+    climb_sd = CLIMB_SD if prediction.plan.columns.stability else CLIMB_SD_OF_UNKNOWN_STABILITY
+    climb = np.exp(climb_sd * rng.normal(size=count))
     along = climb * np.nan_to_num(prediction.drift) + stronger * (
         down.along * np.cos(turned) - down.across * np.sin(turned)
     )
@@ -176,7 +176,7 @@ def log_wind_sd(plan: Flight) -> float:
 
     Derivation: a log-normal variable with the relative standard deviation c has the log variance ln(1 + c^2).
     """
-    sd = measured_sd(plan, BY_NAME["wind"])
+    sd = plan.columns.sd.get("wind")
     if not plan.wind or sd is None or not 0 < sd < MAX_WIND_SD:
         return WIND_SPEED_SD
     return max(WIND_SPEED_SD, math.sqrt(math.log1p((sd / max(plan.wind, CALM_WIND)) ** 2)))
@@ -211,7 +211,7 @@ class RailChoice:
 
 def rail_choices(plan: Plan, most: float) -> list[RailChoice]:
     """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
-    is not known. Raises ImpossibleFlight for a plan without a mass, BadValue as `landing`."""
+    is not known. Raises ImpossibleFlight for a plan without a mass."""
     if plan.flight.wind is None:
         return []
     ways = [("into", 0.0)]
@@ -230,8 +230,7 @@ def wind_that_holds(plan: Plan, size: float) -> float:
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
     Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
-    winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass, BadValue as
-    `landing`.
+    winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass.
     """
     windy = [plan.flight.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
     predictions, fall = plan.forecasts(windy, draws=TRIED_DRAWS), plan.fall

@@ -77,8 +77,7 @@ def in_season(choice: MotorChoice, rule: Season) -> MotorChoice:
 def motor_advice(choices: Sequence[MotorChoice], rule: Season, current: str | None) -> MotorAdvice:
     """The points of motors `in_season` under its rules; `current` is the `label` of the current motor.
 
-    All motors share the same draws, so their differences are known better than the points themselves. Raises
-    BadValue for a recovery device that cannot be read.
+    All motors share the same draws, so their differences are known better than the points themselves.
     """
     ranked = sorted((MotorPoints(one, _points(one, rule)) for one in choices if one.fits), key=lambda one: one.mean)
     flown = next((one for one in choices if label(one.motor) == current), None)

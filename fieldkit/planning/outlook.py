@@ -65,8 +65,7 @@ def outlook(rule: Season, plan: Plan, area: float = 1.0, draws: int = DRAWS) -> 
     """Simulate a plan as often as flights may be declared, with a fraction of the current parachute area [1].
 
     The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum
-    the right uncertainty. Raises ImpossibleFlight for a plan without a mass, BadValue for a recovery device that cannot
-    be read.
+    the right uncertainty. Raises ImpossibleFlight for a plan without a mass.
     """
     forecast = plan.forecast(draws)
     predictions = plan.forecasts([plan.flight] * rule.declared, draws=draws, paired=False)

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import recovery_of
 from fieldkit.messages import amount, message
 from fieldkit.motors import Found
 from fieldkit.planning.check import BY_EYE, SafetyCheck
@@ -29,7 +28,7 @@ def general_checklist() -> list[str]:
 
 def pad_checklist(plan: Flight, found: Found, lines: Sequence[SafetyCheck]) -> list[str]:
     """The steps at the pad of a plan, in SI with their amounts: its own, the safety checks that failed or that only the
-    flyer can make, and the launch. Raises BadValue for a recovery device that cannot be read."""
+    flyer can make, and the launch."""
     return [message(one) for one in (*_rocket(plan, found), *_checks(lines), *LAUNCH)]
 
 
@@ -39,7 +38,7 @@ def _rocket(plan: Flight, found: Found) -> Iterator[str]:
     yield f"motor {plan.motor or motor.designation} of {motor.maker}{delay}, retained"
     if plan.dry_mass is not None:
         yield f"weighed with its motor: {amount(plan.dry_mass + motor.loaded_mass, 'g')} are planned"
-    wanted = recovery_of(plan)
+    wanted = plan.columns.recovery
     yield f"{wanted.device} undamaged and packed with flame-resistant wadding"
     if wanted.dual:
         yield "altimeter armed for drogue and main, charges connected, its switch within reach"

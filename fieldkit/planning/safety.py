@@ -15,8 +15,6 @@ from functools import lru_cache
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.further import motor_temperature
-from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.messages import fine, per_wind
@@ -101,7 +99,7 @@ def safety_lines(
     site = replace(site, rules=site.rules or own.rules)
     governed_by = governed(build, three_of_all(prediction.true_apogee)[2], site, sets, day)
     down = landing(prediction, fall)
-    recovery, mass = recovery_of(plan), landing_mass(plan, prediction.found)
+    recovery, mass = plan.columns.recovery, landing_mass(plan, prediction.found)
     density = float(air_at_pads([plan]).density[0])
     descent = [
         _ejection(prediction, limits),
@@ -117,7 +115,7 @@ def safety_lines(
         _stricter(rule_lines.angle_line(governed_by, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
         rule_lines.stability_line(
             governed_by,
-            stability(plan),
+            plan.columns.stability,
             prediction.rests_on,
             limits,
             added=motor.loaded_mass - prediction.heaviest_motor,
@@ -230,7 +228,7 @@ def _field(down: Landing, site: Site, code: SafetyCheck) -> SafetyCheck:
 def _ejection(prediction: Prediction, limits: Limits) -> SafetyCheck:
     limit, name = limits["eject_speed"], "ejection speed"
     delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
-    recovery = recovery_of(prediction.plan)
+    recovery = prediction.plan.columns.recovery
     if recovery.dual:
         opens = _altimeter_ejection(prediction, limit)
         return opens if delay in (None, PLUGGED_DELAY) else worst([opens, _early_charge(prediction, limit)])
@@ -275,7 +273,7 @@ def _early_charge(prediction: Prediction, limit: Limit) -> SafetyCheck:
 
 def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     cold, hot = limits["motor_cold"], limits["motor_hot"]
-    value = motor_temperature(plan)
+    value = plan.columns.motor_temperature
     certified, coldest, hottest = (figure(value, "c") for value in (CERTIFIED_AT, cold.value, hot.value))
     between = f"certified near {certified}, usable from {coldest} to {hottest}"
     if value is not None and cold.value <= value <= hot.value:

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.forecast.prediction import Prediction, model_in_words
 from fieldkit.motors import PLUGGED_DELAY, Found
@@ -62,7 +61,7 @@ def ejection_in_words(prediction: Prediction) -> str:
     eject = prediction.median_eject
     if prediction.stays_on_rail:
         return "none: the rocket does not leave the rail"
-    if recovery_of(prediction.plan).dual:
+    if prediction.plan.columns.recovery.dual:
         charge = "" if eject is None else f"; the motor's charge {when_it_fires(eject)}"
         return f"by an altimeter at apogee{charge}"
     if eject is not None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import Recovery, recovery_of
+from fieldkit.flight.recovery import Recovery
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.history import recorded_wind
@@ -31,7 +31,7 @@ semi-axis. [1]"""
 def landing_in_words(planned: PlannedFlight, site: Site, system: str = "SI") -> Iterator[str]:
     """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system."""
     prediction, down, fall, rail = planned.prediction, planned.down, planned.fall, planned.rail
-    plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
+    plan, recovery, shown = prediction.plan, prediction.plan.columns.recovery, ShownUnits(system)
     yield build_in_words(prediction)
     if prediction.stays_on_rail:
         yield NO_FLIGHT
@@ -127,7 +127,7 @@ def descent_in_words(fall: Fall, plan: Flight) -> str:
         return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
     narrower = 1 - fall.relative_sd(1) / fall.relative_sd()
     basis = (
-        entered_in_words(recovery_of(plan))
+        entered_in_words(plan.columns.recovery)
         if fall.typed
         else f"assumes a typical parachute or streamer, ± {DEFAULT_DESCENT_SD:.0%}"
     )

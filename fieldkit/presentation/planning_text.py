@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.flight.recovery import rail_direction
 from fieldkit.messages import message
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
@@ -64,7 +63,7 @@ def conditions_in_words(
 def _way(plan: Flight) -> str:
     """The direction of a slanted rail: `into the wind`; a negative angle points the other way."""
     opposite = 180 if (plan.rail_angle or 0.0) < 0 else 0
-    degrees = (round(rail_direction(plan) / DEGREE) + opposite) % 360
+    degrees = (round(plan.columns.rail_direction / DEGREE) + opposite) % 360
     return RAIL_WAYS.get(degrees, f"{degrees}° to the right of into the wind")
 
 

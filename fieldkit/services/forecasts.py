@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import read_conditions
+from fieldkit.flight.launch_conditions import check_conditions
 from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
@@ -248,7 +248,7 @@ def from_others(data: RocketData, motors: Catalogue, flight: Flight) -> Predicti
     """The forecast of a flight from the other flights of its rocket, as `forecast_from_others`, from what is known of
     the rocket. Raises UnknownMotor, ImpossibleFlight for a flight without a dry mass, BadValue for a wind aloft or rail
     direction that cannot be read."""
-    read_conditions(flight)
+    check_conditions(flight)
     plan = flight.unflown()
     history = list(data.history)
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]

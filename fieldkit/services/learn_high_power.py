@@ -14,7 +14,7 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.files import read
 from fieldkit.flight import Flight
 from fieldkit.flight.further import texts_under
-from fieldkit.flight.recovery import read_conditions
+from fieldkit.flight.launch_conditions import check_conditions
 from fieldkit.inference.laplace.high_power import Departure, DesignForecast, departure, learn_high_power, log_density
 from fieldkit.model.high_power import is_high_power
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
@@ -50,7 +50,7 @@ def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
     flights = [incoming.flight for incoming in gather([path], motors.complaint).incoming_flights]
     found = [one for flight in flights if (one := _usable(flight, motors))]
     for one in found:
-        read_conditions(one.flight)
+        check_conditions(one.flight)
     if not found:
         raise NoFlights(
             f"{path}: found no flight with diameter_mm, apogee_m, {MACH_COLUMN}, predicted_..._m and a known "

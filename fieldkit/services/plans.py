@@ -3,20 +3,11 @@
 from collections.abc import Sequence
 from contextlib import suppress
 
-from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.flight.plan import STAGED_TAG
-from fieldkit.flight.recovery import (
-    DEVICES,
-    STABILITY,
-    check_recovery,
-    device_of,
-    recovery_column,
-    recovery_of,
-    recovery_texts,
-    stability,
-)
-from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
+from fieldkit.flight.recovery import DEVICES, STABILITY
+from fieldkit.flight.typed_columns import POSITIVE
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor
 from fieldkit.motors.several import names_stages
@@ -150,27 +141,19 @@ def _with_recovery(plan: Flight, own: Sequence[Flight]) -> Flight:
     """A plan with the recovery of the last of its configuration's flights, unless it has its own; on another device it
     takes nothing that describes the former one. Unreadable texts are skipped."""
     for names in INHERITED_RECOVERY:
-        if any(recovery_column(plan, name) for name in names):
+        if any(name in plan.columns.headers for name in names):
             continue
         like = [flight for flight in own if names[0] in OF_ANY_DEVICE or _device(flight) == _device(plan)]
         last = next((flight for flight in reversed(like) if _has(flight, names)), plan)
-        plan = plan.with_columns(**recovery_texts(last, names))
+        plan = plan.with_columns(**last.columns.as_recorded(names))
     return plan
 
 
 def _has(flight: Flight, names: Sequence[str]) -> bool:
     """Whether a flight has one of these recovery columns, and they can be read."""
-    try:
-        check_recovery(flight, [name for name in names if name in RECOVERY_LIMITS])
-        if "recovery" in names:
-            device_of(flight)
-        if "drogue_speed" in names:
-            recovery_of(flight)  # raised for a drogue without a main
-        if STABILITY in names:
-            stability(flight)
-    except BadValue:
-        return False
-    return any(recovery_column(flight, name) for name in names)
+    together = ("recovery", *POSITIVE) if "drogue_speed" in names else names
+    columns = flight.columns
+    return columns.readable(*names, *together) and any(name in columns.headers for name in names)
 
 
 def _device(flight: Flight) -> str:

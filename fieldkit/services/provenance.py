@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fieldkit import __version__
 from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, LOGGED, Column, Flight
 from fieldkit.flight.readout import render_sd
-from fieldkit.flight.recovery import STABILITY, recovery_texts
+from fieldkit.flight.recovery import STABILITY
 from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
 from fieldkit.quantities import significant, spelled
@@ -100,7 +100,7 @@ def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
 
 def _of_the_climb(flight: Flight) -> dict[str, str]:
     """The extra columns that the simulation of a flight reads, as recorded; most flights have none."""
-    return {header: text.strip() for header, text in recovery_texts(flight, OF_THE_CLIMB).items()}
+    return {header: text.strip() for header, text in flight.columns.as_recorded(OF_THE_CLIMB).items()}
 
 
 def model_parts(history: Sequence[Flight], name: str, version: int | None) -> dict[str, dict[str, str]]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.flight.limits import check_name
+from fieldkit.flight.storable import check_name
 from fieldkit.motors.lots import recorded_lot
 from fieldkit.motors.search import with_delays
 from fieldkit.motors.several import each_motor

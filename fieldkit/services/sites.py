@@ -5,8 +5,9 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
-from fieldkit.flight.limits import check, check_name
+from fieldkit.flight.limits import check
 from fieldkit.flight.site import SITE_LENGTHS, Site
+from fieldkit.flight.storable import check_name
 from fieldkit.ledger import Ledger
 from fieldkit.messages import amount, marked, message
 from fieldkit.services.names import same_name

@@ -12,7 +12,6 @@ import numpy as np
 
 from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.flight.recovery import recovery_column
 from fieldkit.importing.weather import (
     MAST,
     QUANTITIES,
@@ -107,7 +106,7 @@ def filled(flight: Flight, sources: Sequence[NamedWeather], zone: tzinfo | None,
     taken = {name: pair for name, pair in values.items() if replace or flight.number(name) is None}
     units = {name: UNITS[BY_NAME[name].quantity][BY_NAME[name].unit] for name in taken}
     extra = {BY_NAME[name].sd_header: f"{units[name].difference_from_si(sd):.2g}" for name, (_, sd) in taken.items()}
-    known = replace or recovery_column(flight, "wind_aloft") is None
+    known = replace or "wind_aloft" not in flight.columns.headers
     aloft = min(winds, key=lambda one: abs(one.height - (flight.apogee or USUAL_HEIGHT))) if winds and known else None
     if aloft is not None:
         extra |= _aloft_texts(aloft, ground)

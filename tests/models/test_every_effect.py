@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import COLUMNS, Flight
-from fieldkit.flight.recovery import launch_conditions
+from fieldkit.flight.launch_conditions import launch_conditions
 from fieldkit.motors import catalogue
 from fieldkit.physics.burn import burn
 from fieldkit.physics.effect import Effect, effects

@@ -9,7 +9,6 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import rail_direction, recovery_figure, recovery_of
 from fieldkit.motors import catalogue
 from fieldkit.physics.atmosphere import Air, pad_air, wind_at
 from fieldkit.physics.descent import (
@@ -347,13 +346,13 @@ def test_a_recorded_rail_angle_is_into_the_wind_unless_stated_otherwise() -> Non
     flight = Flight(dry_mass=0.4, diameter=0.066, rail_angle=0.1, extra={"rail_direction": "across"})
     setup = field_setup([flight], [found], np.array([0.002]))
     assert (float(setup.rail_angle[0]), float(setup.rail_across[0])) == pytest.approx((0.0, 0.1))
-    assert rail_direction(flight) == pytest.approx(np.pi / 2)
+    assert flight.columns.rail_direction == pytest.approx(np.pi / 2)
 
 
 def test_recovery_columns_are_read_with_the_unit_of_their_name() -> None:
     flight = Flight(extra={"main_altitude_ft": "500", "drogue_speed": "60 ft/s", "recovery": "Streamer"})
-    found = recovery_of(flight)
+    found = flight.columns.recovery
     assert found.main_altitude == pytest.approx(152.4)
     assert found.drogue_speed == pytest.approx(18.288)
     assert (found.device, found.dual) == ("streamer", True)
-    assert recovery_figure(flight, "wind_aloft") is None
+    assert "wind_aloft" not in flight.columns.numbers

@@ -5,8 +5,8 @@ import pytest
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.launch_conditions import AS_USUAL, check_conditions
 from fieldkit.flight.plausibility import implausible
-from fieldkit.flight.recovery import AS_USUAL, read_conditions
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import History, flown_and_planned, history_of, together
@@ -26,10 +26,10 @@ def history() -> History:
     return flown_and_planned([(one, MOTOR) for one in flown], [(flight(3).unflown(), MOTOR)] * 2)
 
 
-def test_text_is_read_once_when_flights_become_a_history() -> None:
+def test_a_wind_that_cannot_be_read_is_in_no_fit_and_one_that_can_is_typed() -> None:
     extra = {"wind_aloft": "twelve", "rail_direction": "sideways"}
     with pytest.raises(BadValue, match="wind aloft"):
-        read_conditions(flight(0, extra=extra))
+        check_conditions(flight(0, extra=extra))
     assert implausible(flight(0, extra=extra), MOTOR.motor), "it is in no fit"
     assert history_of([flight(0, extra=extra)], [MOTOR]).conditions == (AS_USUAL,)
     (typed,) = history_of(

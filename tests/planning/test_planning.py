@@ -12,7 +12,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-from fieldkit.flight.recovery import recovery_of
+from fieldkit.flight.plan import check_plan
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
@@ -219,7 +219,7 @@ def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(prediction: Predi
     assert verdicts("70F", 5) == ["ok", "ok"]
     assert verdicts("100F", 31) == ["caution", "unsafe"]
     with pytest.raises(BadValue, match="motor temperature"):
-        lines_of(prediction, extra={MOTOR_TEMPERATURE: "warm"})
+        check_plan(Flight(extra={MOTOR_TEMPERATURE: "warm"}))
 
 
 @pytest.mark.parametrize(
@@ -489,4 +489,4 @@ def test_a_drogue_without_a_main_in_a_past_flight_stops_no_plan(tmp_path: Path) 
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         ledger.add([flown, half])
         plan = Flight(rocket="A", config="A", motor="F24-4W")
-        assert not recovery_of(completed_plan(ledger, catalogue(), plan, Settings())).dual
+        assert not completed_plan(ledger, catalogue(), plan, Settings()).columns.recovery.dual

@@ -11,7 +11,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import recovery_of
+from fieldkit.flight.plan import check_plan
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
@@ -118,9 +118,9 @@ def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_constrain_it(
     assert (fall.flights, fall.log_mean) == (0, pytest.approx(usual("streamer").log_mean))
     assert np.exp(fall.log_mean - usual().log_mean) == pytest.approx(2.0)
     with pytest.raises(BadValue, match="parachute, streamer"):
-        recovery_of(Flight(extra={"recovery": "hope"}))
+        check_plan(Flight(extra={"recovery": "hope"}))
     with pytest.raises(BadValue, match="height at which the main opens"):
-        recovery_of(Flight(extra={"drogue_speed_mps": "20"}))
+        check_plan(Flight(extra={"drogue_speed_mps": "20"}))
 
 
 @pytest.mark.parametrize("mass", [0.1, 1.5, 12.0])
@@ -149,7 +149,7 @@ def test_a_typed_speed_or_diameter_of_the_parachute_is_used_until_flights_show_a
     weight, area = landing_mass(PLAN, FOUND) * 9.80665, np.pi / 4 * (18 * 0.0254) ** 2
     assert lands(wide) == pytest.approx(np.sqrt(2 * weight / (1.225 * 0.75 * area)), rel=0.02)
     with pytest.raises(BadValue, match="main speed: found -2 m/s"):
-        recovery_of(PLAN.with_changes(extra={"main_speed_mps": "-2"}))
+        check_plan(PLAN.with_changes(extra={"main_speed_mps": "-2"}))
 
 
 def test_one_timed_flight_narrows_the_descent_of_a_rocket_without_any() -> None:

@@ -12,7 +12,6 @@ from matplotlib.transforms import Bbox
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.motors import PLUGGED_DELAY
@@ -208,7 +207,7 @@ def _charge(prediction: Prediction) -> str:
     """When the motor's charge fires after apogee; `altimeter` with dual deployment or a plugged motor, `unknown`
     without a delay, `none` if it does not fire in flight."""
     delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
-    if recovery_of(prediction.plan).dual or delay == PLUGGED_DELAY:
+    if prediction.plan.columns.recovery.dual or delay == PLUGGED_DELAY:
         return "altimeter"
     if delay is None:
         return "unknown"

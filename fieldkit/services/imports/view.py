@@ -12,7 +12,6 @@ from fieldkit.analysis import columns
 from fieldkit.analysis.labels import sensor_of
 from fieldkit.analysis.whole_flight import flight_curve
 from fieldkit.flight import MEASURED, TWO_DEVICES, Column, Flight
-from fieldkit.flight.recovery import measured_sd
 from fieldkit.importing.reading import ImportedFile
 
 if TYPE_CHECKING:
@@ -135,7 +134,7 @@ def _readouts(flight: Flight, recorded: "Recorded | None") -> dict[str, ReadoutV
 
 def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded | None") -> ReadoutView:
     scale = units.unit(column.quantity, column.unit)
-    sd = measured_sd(flight, column) if column in TWO_DEVICES else flight.sd.get(column.name)
+    sd = (flight.columns.sd if column in TWO_DEVICES else flight.sd).get(column.name)
     stated = flight.as_stated(column)
     figure = recorded.figures.get(column.name) if recorded and (sd is not None or not stated) else None
     known = flight.source.get(column.name) or ("device" if stated or flight.origin.format else "typed")
