@@ -36,6 +36,7 @@ from fieldkit.importing.tables.flight_headings import (
     ColumnRole,
     beside_a_motor,
     headings_of,
+    is_mass,
     judged_name,
     mass_column,
     mass_names,
@@ -204,13 +205,16 @@ def _is_ours(spelled: str) -> bool:
 
 def _numbers(headings: Sequence[ColumnRole], table: Iterable[TableRow]) -> Iterator[str]:
     """All cells of the columns with numbers."""
+    places = [place for place, heading in enumerate(headings) if _holds_numbers(heading)]
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
-            yield from (c for h, c in zip(headings, cells, strict=False) if _holds_numbers(h))
+            yield from (cells[place] for place in places if place < len(cells))
 
 
 def _holds_numbers(heading: ColumnRole) -> bool:
-    return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
+    masses = (mass_names(name) for name in (LIFTOFF_MASS, MOTOR_MASS))
+    beside = heading.beside is not None and heading.beside.part == "sd"
+    return heading.field in BY_NAME or beside or any(is_mass(heading, words) for words in masses)
 
 
 def _columns(headings: Sequence[ColumnRole]) -> dict[str, str]:

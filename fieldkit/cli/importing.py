@@ -261,7 +261,7 @@ def export(
         str,
         typer.Option(
             metavar="[SI|US|mixed]",
-            help="The units of a table; further columns such as main_altitude_m keep theirs, JSON has SI.",
+            help="The units of a table; a column of yours keeps its own, JSON has SI.",
         ),
     ] = "SI",
     force: ForceOption = False,

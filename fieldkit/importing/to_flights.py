@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
+from fieldkit.flight.further_units import LIFT_OFF_MASS, in_own_units
 from fieldkit.flight.limits import check
 from fieldkit.flight.plan import check_plan
 from fieldkit.flight.plausibility import doubts
@@ -122,7 +123,7 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
     try:
         loaded = catalogue().resolve_several(flight.motor).motor.loaded_mass
     except UnknownMotor:
-        return flight.with_columns(liftoff_mass_g=f"{1000 * reading.liftoff_mass:g}")
+        return flight.with_columns(**{LIFT_OFF_MASS: f"{1000 * reading.liftoff_mass:.12g}"})
     if reading.liftoff_mass <= loaded:
         found = f"found a lift-off mass of {amount(reading.liftoff_mass, 'g')}"
         alone = f"the mass of {amount(loaded, 'g')} of {flight.motor}"
@@ -153,7 +154,7 @@ def _flight(reading: Reading) -> Flight:
                 check(BY_NAME[name], value)
         except BadValue as error:
             raise DamagedLog(message(marked(error)), row=reading.row, column=reading.columns.get(name, name)) from error
-    return (Flight(extra=dict(reading.extra)) if reading.extra else Flight()).with_changes(**reading.stated)
+    return (Flight(extra=in_own_units(reading.extra)) if reading.extra else Flight()).with_changes(**reading.stated)
 
 
 def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> None:

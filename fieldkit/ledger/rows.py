@@ -8,6 +8,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES, Flight
+from fieldkit.flight.further_units import amounts
 from fieldkit.flight.storable import check_texts
 from fieldkit.ledger.records import FlightSummary
 
@@ -72,12 +73,12 @@ def summary_of(name: str, row: Mapping[str, Any]) -> FlightSummary:
 
 def same(one: Flight, other: Flight) -> bool:
     """Whether two records are equal up to rounding in unit conversions."""
-    return all(_equal(getattr(one, name), getattr(other, name)) for name in FIELDS)
+    return not differences(one, other)
 
 
 def differences(one: Flight, other: Flight) -> list[str]:
     """Names of the fields in which two records differ by more than rounding."""
-    return [name for name in FIELDS if not _equal(getattr(one, name), getattr(other, name))]
+    return [name for name in FIELDS if not _equal(_value(one, name), _value(other, name))]
 
 
 def merged(now: Flight, was: Flight, new: Flight) -> Flight:
@@ -98,7 +99,15 @@ def merged(now: Flight, was: Flight, new: Flight) -> Flight:
 def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
     """Whether a record has the given values, by field; it may have further extra columns, standard deviations and
     sources."""
-    return all(_holds(getattr(flight, name), value) for name, value in given.items())
+    return all(
+        _holds(_value(flight, name), amounts(value) if isinstance(value, Mapping) and name == "extra" else value)
+        for name, value in given.items()
+    )
+
+
+def _value(flight: Flight, name: str) -> Any:
+    """A field to be compared; further columns whatever their unit."""
+    return amounts(flight.extra) if name == "extra" else getattr(flight, name)
 
 
 def _holds(one: Any, given: Any) -> bool:

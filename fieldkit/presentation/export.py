@@ -4,11 +4,13 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from fieldkit import units
 from fieldkit.flight import COLUMNS, LOGGED, MEASURED, Column, Flight, table_headers, table_row
+from fieldkit.flight.further_units import with_units
 from fieldkit.flight.readout import render_sd
-from fieldkit.quantities import unit_of
+from fieldkit.quantities import SYSTEMS, unit_of
 from fieldkit.safe_text import as_cell
 
 NUMBERS = {column.header for column in COLUMNS + LOGGED} | {column.sd_header for column in MEASURED}
@@ -17,7 +19,8 @@ NUMBERS = {column.header for column in COLUMNS + LOGGED} | {column.sd_header for
 
 def csv_table(flights: Sequence[Flight], system: str = "SI") -> str:
     """A flight table (RFC 4180) that imports as the same flights and contains nothing that a spreadsheet would
-    compute; its headers name the units of a system, those of further columns are kept."""
+    compute; its headers name the units of a system, also those of further columns with a known unit."""
+    flights = [with_units(flight, partial(_unit_of, system)) for flight in flights]
     out = io.StringIO(newline="")
     headers = table_headers(flights)
     own = {column.header: _in_units(column, system).header for column in COLUMNS + LOGGED}
@@ -28,6 +31,12 @@ def csv_table(flights: Sequence[Flight], system: str = "SI") -> str:
         row = table_row(flight) | _numbers(flight, system)
         writer.writerow(row.get(name, "") if name in NUMBERS else as_cell(row.get(name, "")) for name in headers)
     return out.getvalue()
+
+
+def _unit_of(system: str, unit: str) -> str:
+    """The unit of a system for that of a further column, as a header spells it."""
+    shown = SYSTEMS[system].get("m/s" if unit == "mps" else unit, unit)
+    return shown if shown.isalpha() else unit
 
 
 def _in_units(column: Column, system: str) -> Column:
@@ -53,7 +62,7 @@ def document(flight: Flight) -> dict[str, object]:
 
     Standard deviations, sources of readouts and values from logs are included if they are recorded.
     """
-    row: dict[str, object] = dict(table_row(flight))
+    row: dict[str, object] = dict(table_row(with_units(flight)))
     for column in COLUMNS:
         value = flight.number(column.name)
         row[column.header] = None if value is None else float(column.render(value))

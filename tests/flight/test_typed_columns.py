@@ -80,7 +80,9 @@ def test_a_flight_has_its_columns_typed_however_it_gets_them() -> None:
         ({"motor_temperature_c": "warm"}, "motor temperature: found 'warm', expected a number"),
     ],
 )
-def test_a_column_that_is_impossible_counts_as_usual_and_says_so(texts: dict[str, str], problem: str) -> None:
+def test_an_impossible_column_counts_as_not_recorded_and_its_check_names_it(
+    texts: dict[str, str], problem: str
+) -> None:
     flight = Flight(extra={"some column": "of a flyer", **texts})
     assert flight.columns.recovery == Recovery()
     with pytest.raises(BadValue) as raised:

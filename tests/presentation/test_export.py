@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from fieldkit import units
 from fieldkit.flight import COLUMNS, READOUTS, TAGS, Flight
+from fieldkit.flight.further_units import COLUMNS as COLUMNS_WITH_UNITS
+from fieldkit.flight.further_units import FurtherColumn
 from fieldkit.flight.limits import LIMITS
 from fieldkit.flight.readout import SOURCES
 from fieldkit.importing.read import read
@@ -30,6 +32,21 @@ def number(name: str) -> st.SearchStrategy[float | None]:
     return st.none() | st.floats(*LIMITS[name]).filter(lambda x: x == 0 or abs(x) >= 1e-9).map(scale.to_si)
 
 
+def further_columns() -> st.SearchStrategy[dict[str, str]]:
+    """Further columns whose unit is known, each in any unit in which a flyer may write it."""
+    figures = st.tuples(st.floats(0.01, 50.0), st.integers(0, 99))
+    return st.dictionaries(st.sampled_from(COLUMNS_WITH_UNITS), figures, max_size=3).map(
+        lambda found: {
+            column.header((written := written_units(column))[choice % len(written)]): f"{value:.5g}"
+            for column, (value, choice) in found.items()
+        }
+    )
+
+
+def written_units(column: FurtherColumn) -> list[str]:
+    return [unit for unit in units.UNITS[column.quantity] if unit.isalpha()]
+
+
 def by_name(flight: Flight) -> tuple[str, str]:
     return flight.rocket, flight.flight_id
 
@@ -43,7 +60,11 @@ flights = st.builds(
     notes=words,
     tags=st.lists(st.sampled_from([*TAGS, "mine", "not mine"]), unique=True, max_size=3).map(tuple),
     date_time=st.none() | st.datetimes(),
-    extra=st.dictionaries(st.sampled_from(["Lot", "wind_direction", "Crew"]), words.filter(bool)),
+    extra=st.builds(
+        lambda own, known: own | known,
+        st.dictionaries(st.sampled_from(["Lot", "wind_direction", "Crew", "paint_g"]), words.filter(bool)),
+        further_columns(),
+    ),
     **{column.name: number(column.name) for column in COLUMNS},
 ).filter(lambda flight: bool(flight.readouts()))
 sds = st.fixed_dictionaries({}, optional={column.name: st.floats(1e-3, 50.0) for column in READOUTS})
