@@ -56,7 +56,7 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     near = np.abs(track.time - ascent.time[place]) < 1.0
     residual = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     fit_error = mad_sd(residual) / 2 if mad_sd(residual) > 3 * track.noise else 0.0
-    sd = float(np.linalg.norm([tops.std(), seen.pad_sd, fit_error, slow_error_sd(track, seen)]))
+    sd = float(np.linalg.norm([tops.std(), seen.pad_sd, fit_error, slow_error_sd(track, seen), track.held_sd]))
     shown = _by_heights(seen, track) if seen.down and fit_error > 0 else None
     if shown is not None and shown[1].sd < fit_error:
         return shown
@@ -77,7 +77,7 @@ def _by_heights(seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
     value = level + slope * at + bend * at**2
     off = abs(value - (seen.top_height - seen.pad))
     left = float(np.std(height - np.polyval((bend, slope, level), since)))
-    sd = float(np.linalg.norm([left, off, seen.pad_sd, slow_error_sd(track, seen)]))
+    sd = float(np.linalg.norm([left, off, seen.pad_sd, slow_error_sd(track, seen), track.held_sd]))
     moment_sd = max(float(np.sqrt(2 * max(sd, track.noise) / GRAVITY)), abs(at))
     return Event(seen.top + at, moment_sd, track.source), Figure(value, sd, track.source)
 

@@ -100,6 +100,11 @@ class Heights:
     held: float = 0.0
 
     @property
+    def held_sd(self) -> float:
+        """Error of a height that is anywhere within the resolution, as those of a top that stays in it are. [m]"""
+        return self.held / float(np.sqrt(12))
+
+    @property
     def top_held(self) -> float:
         """Error of the time of a top, anywhere in the free fall through the height held there. [s]"""
         return float(np.sqrt(2 * self.held / GRAVITY / 12))

@@ -4,6 +4,8 @@ Derivation: a rocket lands where the line through the end of its descent meets t
 speed is a height divided by a time.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from fieldkit.analysis.apogee import slow_error_sd
@@ -34,6 +36,9 @@ heights may be [m]; uncertainty of the beginning of a rest from smoothed heights
 _MIN_REST_SAMPLES, _REST_SDS = 3, 3.0
 """Fewest samples of a rest, so that one outlier does not determine its level, and number of standard deviations by
 which it excludes a descent. [1]"""
+_BRAKED_LANDING, _LATE_SDS = 3.0, 3.0
+"""For how long after the end of the last line heights may show that the rocket is still in the air [s], and how late
+that is for a line that does not describe its last seconds, in standard deviations [1]."""
 _GUST_WALK = 2 * 0.5**2 / 3.0
 """Variance that the speed of a descent gains per second in gusts of 0.5 m/s that last for 3 s, 2 u²/T. [m^2/s^3]"""
 
@@ -88,7 +93,22 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         sd = float(np.hypot(_line_error(when, track.noise, end), level_sd)) / max(-slope, 0.5)
         sd = float(np.linalg.norm([sd, track.lag_sd, held / max(-slope, 0.5)]))
         found, high = Event(end, sd, track.source), np.full(time.size, True)
-    return found, level
+    above = 4 * float(np.hypot(track.noise, slow_error))
+    return _until_down(found, track, level + above, 2 * above / typical), level  # braked, so slower than before
+
+
+def _until_down(found: Event, track: Heights, bar: float, lasts: float) -> Event:
+    """A landing that heights are above the ground after, by more than noise, up to a `bar` [m] from which the rest of
+    the way `lasts` [s]: anywhere from the end of the last line until then, with equal probability.
+
+    A parachute that opens just above the ground brakes the rocket below the line, and a filter is late.
+    """
+    later = (track.time > found.time) & (track.time < found.time + _BRAKED_LANDING)
+    up = track.time[later][track.height[later] > bar]
+    after = float(up[-1]) + lasts - found.time if up.size else 0.0
+    if after - lasts < _LATE_SDS * found.sd:
+        return found
+    return replace(found, time=found.time + after / 2, sd=float(np.hypot(found.sd, after / np.sqrt(12))))
 
 
 def _touchdown(time: Float[Array, "_"], height: Float[Array, "_"], noise: float) -> float:

@@ -29,6 +29,8 @@ _FALL_WINDOW = 0.8
 """Time over which the speed of a fall is taken. [s]"""
 _LEVEL_TIME, _SEEN_FALL = 0.3, 5.0
 """Time over which heights show where a fall began and ended [s], and the least difference that shows a free one [m]."""
+_FEWEST_LEVELS = 5
+"""Fewest heights of a coarse resolution through which a fall shows where its speed ended. [1]"""
 _LEAST_BRAKING = 4.0
 """Least of the strongest braking by a parachute that opens, as a multiple of gravity. [1]"""
 _HOLE = 3.5
@@ -117,6 +119,9 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     fall, when = -speed[after], middle[after]
     final_speed = float(np.median(fall[-len(fall) // 3 :]))
     fastest = int(np.argmax(fall))
+    fell = float(np.interp(apogee.time, time, height) - np.interp(when[fastest], time, height))
+    if fell < _FEWEST_LEVELS * track.held:  # of so few levels the heights show no acceleration
+        return None
     blur = 3 * track.noise / (width * (even[1] - even[0]))
     freely = _FREE_FALL * GRAVITY * (when - apogee.time)
     late = when[fastest] - apogee.time

@@ -14,7 +14,7 @@ from fieldkit.analysis.disturbed_heights import lasting_step
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.ejection import ejection, shock
 from fieldkit.analysis.forces import boost_event, climb_of, forces
-from fieldkit.analysis.hard_boost import hidden_lead
+from fieldkit.analysis.hard_boost import hidden_lead, speed_by_climb
 from fieldkit.analysis.height_lag import MAX_HEIGHT_GAP
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.notes import (
@@ -189,7 +189,8 @@ def _lost_in_boost(log: FittedLog, lift: Event | None, gap: tuple[float, float])
 
 def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
     """Lift-off, if it is trusted, and the results from the boost."""
-    found = boost_event(log.ascent, log.push, begin, end, log.source)
+    whole = speed_by_climb(lift, log.track, log.seen) if lift is not None and _shows_ports(log, lift) else None
+    found = boost_event(log.ascent, log.push, begin, end, log.source, whole)
     lost = _lost(log.track, begin, found[0].time) if found else None
     notes: tuple[str, ...] = ()
     if lost is not None and lost < begin:
@@ -220,6 +221,12 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
         speed = _with_coast(speed, felt, log.ascent, burnout.time, min(end, charge.time) if charge else end)
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
     return lift, _FlightPart({"burnout": burnout}, figures, notes)
+
+
+def _shows_ports(log: FittedLog, lift: Event) -> bool:
+    """Whether nothing but a barometer shows a boost, without a lag."""
+    alone = not log.ascent.fused and log.ascent.ended is None and log.ascent.sighted is None
+    return alone and log.track.is_barometric and lift.source == log.track.source and not log.track.shift
 
 
 def _slowing(ascent: Ascent, burnout: float) -> float:

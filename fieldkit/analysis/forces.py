@@ -126,7 +126,7 @@ def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: 
 
 
 def boost_event(
-    ascent: Ascent, push: Push | None, begin: float, apogee: float, source: str
+    ascent: Ascent, push: Push | None, begin: float, apogee: float, source: str, by_climb: Figure | None = None
 ) -> tuple[Event, Figure] | None:
     """Time and size of the top speed between lift-off `begin` [s] and `apogee` [s] according to the curve, with the
     spread of its draws.
@@ -135,7 +135,9 @@ def boost_event(
     top speed also makes the deceleration until then uncertain. From heights alone both errors nearly cancel
     (`fieldkit.analysis.burnout`), except those of shocks, which the coast after them does not have. If an accelerometer
     shows between which of its samples thrust ended, that is the only error of the time. If the most probable burnout
-    contradicts the curve, as where air brakes open at burnout, the difference is an error of the time.
+    contradicts the curve, as where air brakes open at burnout, the difference is an error of the time. `by_climb` is
+    the top speed by the whole of a hard climb, which has less of the ports' error: if heights alone show the boost,
+    both are averaged, by Birge's ratio if they differ by more than their errors.
     """
     inside = (ascent.time >= begin) & (ascent.time <= apogee)
     time = ascent.time[inside]
@@ -191,9 +193,19 @@ def boost_event(
         value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MAIN_FRACTION else "")
         spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, static, faded * FADE_SD / FADE]))
         late = float(np.linalg.norm([late, blurred, contradicted]))
+        if by_climb is not None:
+            value, spread = _averaged(value, spread, by_climb.value - faded, by_climb.sd)
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
     return Event(moment, late, source), Figure(value, float(spread), source)
+
+
+def _averaged(value: float, sd: float, other: float, other_sd: float) -> tuple[float, float]:
+    """Mean of two measurements from the same samples, so that their errors do not average out, and its standard
+    deviation, larger by Birge's ratio if they differ by more than their errors."""
+    ratio = max(1.0, abs(other - value) / float(np.hypot(sd, other_sd)))
+    part = sd**2 / (sd**2 + other_sd**2)
+    return value + part * (other - value), ratio * ((1 - part) * sd + part * other_sd)
 
 
 def _faded(ascent: Ascent, speed: float, moment: float, begin: float) -> tuple[float, float]:

@@ -217,10 +217,10 @@ def _lift(
 def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation, from the log up to lift-off. [m]
 
-    A zero that drifts there continues to drift, and has that error at apogee. If all samples there are one number, the
-    pad is anywhere within its resolution. Without samples at rest on the pad, the
-    pad is the logger's own zero. If the logger does not set a zero and the log begins in flight, the standard deviation
-    is infinite.
+    A zero that drifts there continues to drift, and has that error at apogee. If all samples there are one number, or
+    two because it is near the step between them, the pad is anywhere within a resolution that hides the noise. Without
+    samples at rest on the pad, the pad is the logger's own zero. If the logger does not set a zero and the log begins
+    in flight, the standard deviation is infinite.
     """
     if lift is None:
         return _zero_in_flight(track) if track.zeroed else (float(track.height[0]), np.inf)
@@ -237,7 +237,8 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     independent = max(height.size * (1 - lag1) / (1 + lag1), 1.0)
     wind_sd = max(float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1), WIND_PRESSURE_SD)
     scatter = float(np.hypot(track.noise / np.sqrt(independent), wind_sd))
-    coarse = float(resolution_at(height[:1], track.height)[0]) / np.sqrt(12) if np.ptp(height) == 0 else 0.0
+    one = float(resolution_at(height[:1], track.height)[0]) if np.ptp(height) == 0 else track.held
+    coarse = one / float(np.sqrt(12))
     return level, float(np.linalg.norm([scatter, least, coarse, _drift(track, lift) * (top - lift + 5)]))
 
 

@@ -165,3 +165,28 @@ def test_a_charge_behind_a_filter_is_dated_by_what_the_filter_makes_of_its_braki
     assert found is not None
     assert found.time == pytest.approx(fired, abs=0.15 * lag + 0.1)
     assert abs(found.time - fired) < 2 * found.sd
+
+
+def test_a_parachute_that_opens_just_above_the_ground_moves_the_landing() -> None:
+    """The line through the fall before it reaches the ground half a second too early."""
+    time = np.arange(0.0, 20.0, 0.05)
+    fall = np.where(time < 7.0, 20 * time, 140 + 4 * (time - 7.0))
+    landed = 7.0 + 4.0 / 4
+    height = np.maximum(144 - fall, 0.0)
+    shown = np.concatenate([np.full(100, 144.0), height]) + np.random.default_rng(3).normal(0, 0.2, time.size + 100)
+    clock = np.arange(shown.size) * 0.05 - 5.0
+    track = Heights(clock, shown, True, 0.2, "barometric altitude")
+    seen = Outline(-9.0, -8.0, 0.0, True, 0.0, 0.1, 144.0, running_median(shown, 21), False, 50.0)
+    found, _ = landing(track, seen, 0.0)
+    assert found is not None
+    assert abs(found.time - landed) < 2 * found.sd < 1.0
+
+
+def test_heights_in_steps_that_hide_the_fall_show_no_ejection() -> None:
+    """Pressures in steps of 0.1 kPa are 8 m apart, through two of which the rocket falls."""
+    time = np.arange(-4.0, 20.0, 0.05)
+    fall = np.where(time < 1.5, GRAVITY * np.maximum(time, 0.0), 5.0)
+    height = 200 - np.cumsum(np.where(time < 0, GRAVITY * time, fall)) * 0.05
+    for step, seen in ((8.0, False), (0.5, True)):
+        track = Heights(time, np.round(height / step) * step, True, 0.3 * step, "pressure", held=step)
+        assert (_braked(track, Event(0.0, 0.1, "pressure"), 15.0) is not None) == seen
