@@ -104,7 +104,7 @@ def learn(
     for (_, own), count in zip(acting, _allotted([chance for chance, _ in acting], draws), strict=True):
         if count:
             terms = _terms_without(model, set(every) - set(own))
-            parts.append(_drawn_with(model, terms, data, flown, count, rng, fits))
+            parts.append(_drawn_with(model, terms, data, count, rng, fits))
     values, scales = (np.concatenate(column) for column in zip(*((v, s) for _, v, s, _ in parts), strict=True))
     return FittedForecast(
         model=model.part(slice(flown, None)),
@@ -144,14 +144,13 @@ def _drawn_with(
     model: Model,
     terms: Sequence[int],
     data: Data,
-    flown: int,
     draws: int,
     rng: np.random.Generator,
     fits: Fits,
 ) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 3"], tuple[str, ...]]:
     """The final point of a fit of some of a model's terms, draws of every term (zero for terms it lacks) and of the
     scales, and a line for each outlier. `fits` are the fits so far: what acts only ahead does not change them."""
-    part = model.only(terms)
+    part, flown = model.only(terms), model.history.flown
     known = set(part.shared.names) if part.shared else set()
     acted = [i for i, term in enumerate(part.terms) if term.name in known or np.any(term.weight[:flown] != 0)]
     used = acted or [0]  # a rocket never flown has the prior instead of a fit

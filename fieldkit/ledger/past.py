@@ -59,7 +59,7 @@ class _Changes:
         every = select(journal.c.number, journal.c.command, journal.c.target).order_by(journal.c.number.desc())
         for number, command, target in self._connection.execute(every).all() if before else ():
             images = self._images(number if target is None else target)
-            self.read.append((number, _swapped(images) if command == "undo" else images))
+            self.read.append((number, [one.swapped() for one in reversed(images)] if command == "undo" else images))
             for entry in _entries(self.read[-1][1], added=True) & before.keys():
                 if number < before[entry]:
                     if target is not None and entry in _entries(images, added=False):
@@ -75,10 +75,6 @@ class _Changes:
         """The images of a change that is not an undo or a redo."""
         (row,) = sound_rows(self._connection, select(journal).where(journal.c.number == number))
         return [Image(*image) for image in row["images"]]
-
-
-def _swapped(images: Sequence[Image]) -> list[Image]:
-    return [image.swapped() for image in reversed(images)]
 
 
 def _entries(images: Iterable[Image], *, added: bool) -> set[int]:

@@ -330,14 +330,6 @@ def _parachute(part: "Element") -> float:
     return cloth + number(part, "linecount") * number(part, "linelength") * _density(part, "linematerial")
 
 
-def _streamer(part: "Element") -> float:
-    return number(part, "striplength") * number(part, "stripwidth") * _density(part, "material")
-
-
-def _cord(part: "Element") -> float:
-    return number(part, "cordlength") * _density(part, "material")
-
-
 VOLUMES: "dict[str, Callable[[Element], float]]" = {
     **dict.fromkeys(("innertube", "tubecoupler", "centeringring", "bulkhead", "engineblock", "launchlug"), _tube),
     **dict.fromkeys(("trapezoidfinset", "ellipticalfinset", "freeformfinset"), _fins),
@@ -347,8 +339,8 @@ VOLUMES: "dict[str, Callable[[Element], float]]" = {
 OTHER_MASSES: "dict[str, Callable[[Element], float]]" = {
     "masscomponent": lambda part: number(part, "mass"),
     "parachute": _parachute,
-    "streamer": _streamer,
-    "shockcord": _cord,
+    "streamer": lambda part: number(part, "striplength") * number(part, "stripwidth") * _density(part, "material"),
+    "shockcord": lambda part: number(part, "cordlength") * _density(part, "material"),
 }
 """Parts whose mass is computed in another way. [kg]"""
 MASSLESS_PARTS = ("stage", "railbutton", "podset", "parallelstage")

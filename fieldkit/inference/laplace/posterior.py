@@ -49,12 +49,8 @@ def _term_sds(model: Model) -> Float[Array, "scale term"]:
     sds = np.array([term.sd for term in model.terms]) * factors[:, np.array(by, int)]
     if model.hyperprior.documents is None:
         return np.asarray(sds)
-    return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** _powers(model))
-
-
-def _powers(model: Model) -> Float[Array, "term"]:
-    """The power of the scale of documents in the prior standard deviation of each term. [1]"""
-    return np.array([power(term.name.quantity, term.name.level) for term in model.terms])
+    powers = np.array([power(term.name.quantity, term.name.level) for term in model.terms])
+    return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** powers)
 
 
 def prior_precision(model: Model) -> tuple[Float[Array, "scale term term"], Float[Array, "scale"]]:

@@ -20,7 +20,7 @@ def rendered(template: str, content: Mapping[str, Any]) -> str:
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
-        finalize=_printable,
+        finalize=lambda value: printable(value) if type(value) is str else value,
         keep_trailing_newline=True,
     )
     return environment.get_template(template).render(content)
@@ -29,7 +29,3 @@ def rendered(template: str, content: Mapping[str, Any]) -> str:
 def embedded(picture: bytes) -> str:
     """An SVG as the source of an image in the page itself."""
     return f"data:image/svg+xml;base64,{b64encode(picture).decode()}"
-
-
-def _printable(value: Any) -> Any:
-    return printable(value) if type(value) is str else value
