@@ -179,7 +179,8 @@ def _leads(
     recorded = max(corner.time - float(track.time[0]), 0.0)
     leads = np.arange(0.0, min(_MOST_LEAD, recorded + _LEAD_STEP), _LEAD_STEP)
     for lead in leads.tolist():
-        here = [np.where(np.arange(6) == 4, corner.time - lead, values) for values in (*starts, found)]
+        known = (*starts[:2], found) if costs else starts  # the later ones begin at the one before, too
+        here = [np.where(np.arange(6) == 4, corner.time - lead, values) for values in known]
         tried = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in here]
         found = min(tried, key=climb.cost)
         costs.append(climb.cost(found))
