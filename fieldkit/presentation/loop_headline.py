@@ -83,6 +83,8 @@ def _amount(found: Findings, trial: Trial, system: str) -> str:
 def _without_name(found: Findings, system: str) -> str:
     """The sentence of a verdict that names no effect."""
     diagnosis = found.diagnosis
+    if found.unexplained is not None and not found.unexplained.name:
+        return f"{diagnosis.why[:1].upper()}{diagnosis.why[1:]}."
     if found.unexplained is not None:
         return f"No known effect explains that {found.unexplained.words(system)}."
     missing = 1 - diagnosis.confidence

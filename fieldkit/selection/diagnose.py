@@ -26,7 +26,7 @@ from fieldkit.selection.logged_forces import (
     with_probability,
     without_coast_drag,
 )
-from fieldkit.selection.model_check import ModelCheck, model_check, with_coasts
+from fieldkit.selection.model_check import ModelCheck, model_check
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.search import Families, chain, checked, explore
@@ -163,7 +163,7 @@ def diagnose(
         others = (one for one in posterior.hypotheses if one.members != frozenset(given))  # a single one was tried too
         named = given_verdict(SetPosterior((*others, *forecast_by.hypotheses)), given)
     switches = posterior.inclusion.get(DRAG_STEP, 0.0)
-    fits = with_coasts(model_check(forecast_by), forces_check(forces, switches))
+    fits = model_check(forecast_by, forces_check(forces, switches))
     if not given:
         named = verdict_that_fits(named, fits, posterior.nothing)
     before = left_out(SetPosterior((plain,)))

@@ -5,11 +5,11 @@ a linear model. Their leave-one-out residuals show how large any pattern is if t
 spread of a readout, a trend or persistence in the order flown, differences between motors, configurations, days and
 sites, and a correlation with a recorded number. The probability of the smallest p-value of all patterns is that of the
 replicates with one as small, so no pattern is found by looking at many (Rubin, Annals of Statistics 12, 1984; Westfall
-and Young, Resampling-Based Multiple Testing, 1993).
+and Young, Resampling-Based Multiple Testing, 1993). Beside it stands a check of whether the terms themselves are usual.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from math import exp, log
 from typing import Literal
 
@@ -22,6 +22,7 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.coast_check import CoastCheck
 from fieldkit.selection.hypotheses import SetPosterior
+from fieldkit.selection.usual_values import unusual_terms
 from fieldkit.shapes import Array, Float, Int, Integers
 
 REPLICATES = 400
@@ -34,6 +35,8 @@ UNLISTED = 0.05
 """Prior probability that something acts which nothing of the search describes, a round judgment. [1]"""
 MIN_P = 0.05
 """p-value from which nothing counts as left. [1]"""
+LEAST_P = 1e-12
+"""Smaller p-values count as this. [1]"""
 MIN_CHECKED = 0.05
 """Minimum probability of a hypothesis that is checked. [1]"""
 SEED = 23
@@ -57,7 +60,8 @@ class ModelCheck:
         The Bayes factor against a fitting model is at most 1 / (-e p ln p) (Sellke, Bayarri and Berger, American
         Statistician 55, 2001), and one for a p-value above 1 / e.
         """
-        least = -exp(1) * self.p * log(self.p) if self.p < exp(-1) else 1.0
+        p = max(self.p, LEAST_P)
+        least = -exp(1) * p * log(p) if p < exp(-1) else 1.0
         return UNLISTED / (UNLISTED + (1 - UNLISTED) * least)
 
 
@@ -72,27 +76,40 @@ class _Pattern:
     vague: bool = False
 
 
-def model_check(posterior: SetPosterior) -> ModelCheck:
-    """The check of all probable hypotheses, averaged over their probabilities."""
+def model_check(posterior: SetPosterior, coasts: CoastCheck | None = None) -> ModelCheck:
+    """The checks of residuals and of terms of all probable hypotheses, averaged over their probabilities, and that of
+    the drag along logged coasts."""
     pairs = sorted(zip(posterior.probability.tolist(), posterior.hypotheses, strict=True), key=lambda pair: -pair[0])
     likely = [pair for pair in pairs if pair[0] > MIN_CHECKED] or pairs[:1]
-    found = [(chance, fit_check(one.fit)) for chance, one in likely]
-    p = sum(chance * one.p for chance, one in found) / sum(chance for chance, _ in found)
-    best = found[0][1]
-    return ModelCheck(p, best.left if p < MIN_P else None, best.pattern)
+    total = sum(chance for chance, _ in likely)
+
+    def averaged(check: Callable[[Fit], ModelCheck]) -> ModelCheck:
+        found = [check(one.fit) for _, one in likely]
+        p = sum(chance * one.p for (chance, _), one in zip(likely, found, strict=True)) / total
+        return replace(found[0], p=p)
+
+    return clearest([averaged(fit_check), averaged(terms_check), *([coasts_check(coasts)] if coasts else [])])
 
 
-def with_coasts(check: ModelCheck, coasts: CoastCheck | None) -> ModelCheck:
-    """The check with that of the drag along logged coasts beside it: of two independent p-values, the probability that
-    one is as small as the smaller (Sidak, Journal of the American Statistical Association 62, 1967)."""
-    if coasts is None:
-        return check
-    p = 1 - (1 - min(check.p, coasts.p)) ** 2
-    if check.p <= coasts.p:
-        return ModelCheck(p, check.left if p < MIN_P else None, check.pattern)
+def clearest(checks: Sequence[ModelCheck]) -> ModelCheck:
+    """The clearest of independent checks, with the probability that one of them has a p-value as small (Sidak, Journal
+    of the American Statistical Association 62, 1967)."""
+    found = min(checks, key=lambda check: check.p)
+    p = 1 - (1 - found.p) ** len(checks)
+    return replace(found, p=p, left=found.left if p < MIN_P else None)
+
+
+def coasts_check(coasts: CoastCheck) -> ModelCheck:
+    """The check of the drag along logged coasts."""
     when = f"{coasts.time_from_liftoff:.1f} s after lift-off"
     pattern = f"the drag of flight {coasts.flight_id}, {coasts.ratio:.1f} times the rocket's own {when}"
-    return ModelCheck(p, "forces" if p < MIN_P else None, pattern)
+    return ModelCheck(coasts.p, "forces" if coasts.p < MIN_P else None, pattern)
+
+
+def terms_check(fit: Fit) -> ModelCheck:
+    """The check of the terms that one fit needs."""
+    p, words = unusual_terms(fit)
+    return ModelCheck(p, "readouts" if p < MIN_P else None, words)
 
 
 def fit_check(fit: Fit) -> ModelCheck:

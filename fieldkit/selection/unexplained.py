@@ -16,7 +16,7 @@ class Leftover:
     """Flights that differ from the others: which ones, by what fraction of the apogee, and its standard deviation.
 
     `amount` and `sd` refer to a ratio of apogees minus one; `where` marks the flights. Those with a high number in a
-    column have its header as `column`, and are those above `bound` [SI].
+    column have its header as `column`, and are those above `bound` [SI]. Without a `name`, misses follow nothing.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Leftover:
         """`the 3 flights with wind above 4.5 m/s fly 6% higher than the others (± 2%)`, in the units of a system."""
         count = int(self.where.sum())
         if not count:
-            return f"misses follow {self.name}"
+            return f"misses follow {self.name or 'nothing that was recorded'}"
         name = self.name
         if self.column:
             name = f"with {column_in_words(self.column)} above {value_in_words(self.column, self.bound, system)}"
@@ -46,9 +46,10 @@ class Leftover:
 
 
 def leftover(diagnosis: Diagnosis) -> Leftover:
-    """The unexplained pattern in a sentence."""
-    nothing = Leftover("nothing that was recorded", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
-    return _goes_with(diagnosis) or nothing
+    """The unexplained pattern in a sentence; a difference that is within its error is none."""
+    nothing = Leftover("", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
+    found = _goes_with(diagnosis)
+    return found if found and (not found.where.any() or abs(found.amount) > found.sd) else nothing
 
 
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:

@@ -3,12 +3,14 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
 from fieldkit.physics.effect import effects
 from fieldkit.presentation.loop_headline import compared_bars, headline, sentence_of
 from fieldkit.selection.candidates import EACH_GROUP, Place
+from fieldkit.selection.unexplained import Leftover
 
 CHECK_SHAPES = False
 
@@ -74,6 +76,17 @@ def test_without_a_name_the_sentence_says_whether_something_is_missing() -> None
     assert headline(found()).sentence == "Astra flies as its model says: nothing is missing."
     assert headline(found()).after is None
     assert headline(found(confidence=0.35)).sentence.startswith("Something may be missing (65%)")
+
+
+def test_a_contradiction_that_follows_nothing_is_named_itself() -> None:
+    one = found()
+    one.unexplained = Leftover("", np.zeros(2, bool), 0.0, 0.0)
+    one.diagnosis.why = "no known effect explains an unusual drag; a pattern as clear arises in < 1% of such histories"
+    assert headline(one).sentence == f"N{one.diagnosis.why[1:]}."
+    one.unexplained = Leftover("on 2020-05-01", np.array([True, False]), -0.2, 0.05)
+    assert headline(one).sentence.startswith(
+        "No known effect explains that the one flight on 2020-05-01 flies 20% lower"
+    )
 
 
 def test_bars_have_the_ratio_of_the_misses() -> None:

@@ -11,7 +11,7 @@ import pytest
 from fieldkit.analysis.force_profile import DragLikelihood, DragProfile, PortError
 from fieldkit.selection.coast_check import CoastCheck, coast_check
 from fieldkit.selection.drag_steps import DragSteps, LoggedDrag
-from fieldkit.selection.model_check import MIN_P, ModelCheck, with_coasts
+from fieldkit.selection.model_check import ModelCheck, clearest, coasts_check
 from fieldkit.shapes import Array
 
 pytestmark = pytest.mark.fast
@@ -66,13 +66,14 @@ def test_a_step_that_the_verdict_denies_is_less_expected() -> None:
     assert denied < named / 3
 
 
-def test_the_smaller_p_value_of_readouts_and_coasts_counts() -> None:
+def test_the_smallest_p_value_of_the_checks_counts() -> None:
     readouts, coasts = ModelCheck(0.6, None, "a trend of the apogee"), CoastCheck(0.004, "8", 3.2, 1.6)
-    found = with_coasts(readouts, coasts)
+    found = clearest([readouts, coasts_check(coasts)])
     assert found.left == "forces"
     assert found.p == pytest.approx(1 - 0.996**2)
     assert found.pattern == "the drag of flight 8, 1.6 times the rocket's own 3.2 s after lift-off"
-    assert with_coasts(readouts, None) == readouts
-    fine = with_coasts(ModelCheck(0.001, "order", "a trend of the apogee"), CoastCheck(0.5, "8", 3.2, 1.1))
+    assert clearest([readouts]).p == pytest.approx(0.6)
+    trend = ModelCheck(0.001, "order", "a trend of the apogee")
+    fine = clearest([trend, coasts_check(CoastCheck(0.5, "8", 3.2, 1.1)), ModelCheck(0.7, None, "an unusual drag")])
     assert (fine.left, fine.pattern) == ("order", "a trend of the apogee")
-    assert fine.p < MIN_P
+    assert fine.p == pytest.approx(1 - 0.999**3)
