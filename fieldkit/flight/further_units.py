@@ -56,19 +56,19 @@ COLUMNS = (
 _BY_HEADER = {
     column.header(unit): (column, unit) for column in COLUMNS for unit in units.UNITS[column.quantity] if unit.isalnum()
 }
-_WITHOUT_UNIT = {column.name: (column, column.unit) for column in COLUMNS if column.name in RECOVERY_COLUMNS}
+_COLUMN_OF = _BY_HEADER | {column.name: (column, column.unit) for column in COLUMNS if column.name in RECOVERY_COLUMNS}
+"""Each header with its column and unit; those of the recovery may be without one."""
 
 
 def in_units(extra: Mapping[str, str], unit_of: Callable[[str], str]) -> Mapping[str, str]:
     """Further columns with the numbers among them in the units that `unit_of` has for their own; texts that are no
     numbers, and columns that fieldkit does not know, as they are."""
-    known = _BY_HEADER | _WITHOUT_UNIT
-    if known.keys().isdisjoint(extra):
+    if _COLUMN_OF.keys().isdisjoint(extra):
         return extra
     found: dict[str, str] = {}
     for header, text in extra.items():
-        if header in known:
-            column, unit = known[header]
+        if header in _COLUMN_OF:
+            column, unit = _COLUMN_OF[header]
             renamed = column.header(unit_of(column.unit))
             if renamed != header and renamed not in {*extra, *found}:
                 with suppress(BadValue):

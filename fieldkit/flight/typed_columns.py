@@ -198,13 +198,14 @@ def _motor_temperature(text: str) -> float:
 
 
 def _sds(texts: Mapping[str, str]) -> Iterator[tuple[str, float]]:
-    """The standard deviations in further columns, in SI, without those that are not a number."""
+    """The standard deviations in further columns, in SI, without those that are no finite number."""
     for column in WITH_SD:
         try:
             sd = float(texts.get(column.sd_header, ""))
         except ValueError:
             continue
-        yield column.name, units.unit(column.quantity, column.unit).difference_to_si(sd)
+        if math.isfinite(sd):
+            yield column.name, units.unit(column.quantity, column.unit).difference_to_si(sd)
 
 
 def _label(name: str) -> str:

@@ -16,7 +16,7 @@ from fieldkit.inference.laplace.posterior import Fit, prior_precision
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import spoken
 
-IN_WORDS = {"stretch": "length of the burn", "opening": "delay of the parachute", "tilt": "climb"}
+IN_WORDS = {"stretch": "length of the burn", "opening": "opening time of the parachute"}
 """Quantities of terms whose names are no words of a flyer."""
 
 
@@ -35,10 +35,12 @@ def unusual_terms(fit: Fit) -> tuple[float, str]:
     p = gammaincc(mean**2 / variance, offset @ precision @ offset * mean / variance)
     names = fit.model.names
     farthest = int(np.argmax(np.abs(offset) / np.sqrt(np.diagonal(np.linalg.inv(precision)))))
-    return float(p), f"an unusual {_in_words(names[farthest])}"
+    return float(p), f"an unusual {in_words(names[farthest])}"
 
 
-def _in_words(name: TermName) -> str:
-    quantity = spoken(name.quantity) if name.level == "effect" else name.quantity
+def in_words(name: TermName) -> str:
+    """What a term is about, as a flyer would say it."""
+    quantity = spoken(name.quantity.split()[0])  # a smooth pattern has one term for each component
     title = BY_NAME[quantity].title.lower() if quantity in BY_NAME else IN_WORDS.get(quantity, quantity)
-    return f"{title.replace('_', ' ')} of {name.group}" if name.level == "motor" else title.replace("_", " ")
+    words = title.replace("_", " ")
+    return f"{words} of {name.group}" if name.level == "motor" else words

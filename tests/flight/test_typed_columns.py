@@ -92,3 +92,8 @@ def test_an_impossible_column_counts_as_not_recorded_and_its_check_names_it(
     assert not flight.columns.readable(name)
     if name == "wind_aloft" and name not in flight.columns.numbers:
         assert launch_conditions(flight) == AS_USUAL
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "-inf", "about two"])
+def test_a_standard_deviation_is_a_finite_number(text: str) -> None:
+    assert Flight(extra={"wind_sd_mps": text, "temperature_sd_c": "2"}).columns.sd == {"temperature": 2.0}

@@ -12,12 +12,13 @@ from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.posterior import Fit, prior_precision
 from fieldkit.model.readout_data import observe
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.history import history_of
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import leftover
-from fieldkit.selection.usual_values import unusual_terms
+from fieldkit.selection.usual_values import in_words, unusual_terms
 from tests.seasons import season
 
 DRAWS = 400
@@ -87,3 +88,17 @@ def test_readouts_that_contradict_each_other_get_no_name() -> None:
     assert found.fits.pattern.startswith("an unusual")
     assert found.fits.p < 0.01
     assert leftover(found).in_words == "misses follow nothing that was recorded"
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        (TermName("stretch", "motor", "AeroTech F24W"), "an unusual length of the burn of AeroTech F24W"),
+        (TermName("early_ejection_seconds", "effect", ("", "3")), "an unusual early ejection"),
+        (TermName("drag 2", "pattern", "hour"), "an unusual drag"),
+        (TermName("coast_to_apogee"), "an unusual coast to apogee"),
+    ],
+)
+def test_a_term_is_in_a_flyers_words(name: TermName, words: str) -> None:
+    assert f"an unusual {in_words(name)}" == words
