@@ -1,5 +1,6 @@
 """Select the parser for a log: the one that recognizes it, or the one that the user chose."""
 
+import re
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,6 +38,10 @@ _OLD_WORKBOOK = bytes.fromhex("d0cf11e0a1b11ae1")
 
 _COMPRESSED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xaf": "7z", b"Rar!": "rar"}
 """What a compressed file begins with, and its kind."""
+_MINUS = "\N{MINUS SIGN}".encode()
+_NEGATIVE = re.compile(rb"((?:^|[,;|:=\t\"]|\d[eE]?) *)" + _MINUS + rb"(?=[.,]?\d)", re.MULTILINE)
+"""A number with a typographic minus, as spreadsheets of some countries write it, at the beginning of a cell or after
+another number. [bytes]"""
 
 
 def parsers() -> Mapping[str, Parser]:
@@ -246,11 +251,16 @@ def table_of(log: bytes, source: str) -> bytes:
     return _sheet_of(log, source)[0].content
 
 
+def _with_ascii_minus(log: bytes) -> bytes:
+    """A log whose negative numbers have the minus of a keyboard; other texts keep theirs."""
+    return _NEGATIVE.sub(rb"\1-", log) if _MINUS in log else log
+
+
 def _sheet_of(log: bytes, source: str) -> tuple[SheetTable, list[str] | None]:
     """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track, JSON or labeled lines; and the names of
     the parsers that recognize it, if they had to be asked. Raises DamagedLog."""
     if not is_spreadsheet(log):
-        log = unwrapped(log).replace("\N{MINUS SIGN}".encode(), b"-")  # as spreadsheets of some countries write it
+        log = _with_ascii_minus(unwrapped(log))
         table = fixes_table(log) or track_table(log) or columns_table(log) or labeled_table(log)
         claimed = claims(log)
         if table is not None:

@@ -302,7 +302,7 @@ def _fingerprints(found: Findings) -> Iterator[str]:
         "apogee_to_eject": "eject s",
     }
     names = [row.readout for row in found.spreads]
-    yield f"  {'miss / expected scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
+    yield f"  {'miss / expected scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:8]):>9}" for n in names)
     yield f"  {'mean':24}" + "".join(_signed(row.bias) for row in found.spreads)
     yield f"  {'with the flight before':24}" + "".join(_signed(row.autocorrelation) for row in found.spreads)
     for trial, row in found.fingerprints:

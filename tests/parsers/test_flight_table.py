@@ -342,8 +342,16 @@ def test_all_common_encodings_give_the_same_flights(log: bytes) -> None:
     assert (got.rocket, got.apogee, got.notes) == ("Würger", 281.3, "½ µ")
 
 
+def test_a_typographic_minus_is_read_in_numbers_and_kept_in_notes() -> None:
+    note = "lost 5 − 3 fins − and a 10 − 0 win −"
+    got = flight(
+        "flight_id,rocket,motor,apogee_m,temperature_c,apogee_to_eject_s,notes", f"1,Astra,F24-4W,281,−4,−.5,{note}"
+    )
+    assert (got.temperature, got.apogee_to_eject, got.notes) == (269.15, -0.5, note)
+
+
 READ_AS_OTHERS = "\0\N{MINUS SIGN}"
-"""Characters of a text that a table does not keep: a minus sign is read as a hyphen, as numbers need it."""
+"""Characters of a text that a table does not keep: a minus sign before a digit is read as a hyphen, as in numbers."""
 name = st.text(st.characters(exclude_categories=["Cs"], exclude_characters=READ_AS_OTHERS), max_size=12).map(str.strip)
 unknown = name.filter(lambda s: s and not any(s.lower().startswith(n[:4]) for n in (*BY_NAME, *TEXT_COLUMNS)))
 odd_text = st.text(st.characters(exclude_categories=["Cs"], exclude_characters=READ_AS_OTHERS), max_size=30)
