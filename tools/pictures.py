@@ -4,11 +4,11 @@
 looked at.
 """
 
+import argparse
 import asyncio
 import html
 import os
 import re
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -169,10 +169,16 @@ def _season(folder: Path, *, logged: bool) -> Path:
 
 def main() -> None:
     """Write the pictures."""
-    if sys.argv[1:]:
-        every_page(Path(sys.argv[1]), sys.argv[2:])
-        return
-    app_pages()
+    parser = argparse.ArgumentParser(description="Draw the pictures of the README and of the manual.")
+    parser.add_argument("folder", nargs="?", type=Path, help="Draw pages in every size and theme into this folder.")
+    parser.add_argument("name", nargs="*", help=f"Pages to draw there, by default all: {', '.join(EVERY_PAGE)}.")
+    options = parser.parse_args()
+    if unknown := set(options.name) - EVERY_PAGE.keys():
+        parser.error(f"no page {', '.join(sorted(unknown))}")
+    if options.folder:
+        every_page(options.folder, options.name)
+    else:
+        app_pages()
 
 
 if __name__ == "__main__":
