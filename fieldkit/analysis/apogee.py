@@ -145,7 +145,8 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
     deviation: the gas of a charge disturbs those after it. [m]
 
     The error of a lag that was removed from the heights moves them by that much of their slope, and that of static
-    ports by a part of the dynamic pressure, in a fall as well.
+    ports by a part of the dynamic pressure, in a fall as well. Derivation: around an apogee, where the slope is zero, a
+    time that is off by t moves them by g t²/2, whose root mean square is sqrt(3) g s²/2 for a normal t of spread s.
     """
     if ascent.time[0] <= moment.time <= ascent.time[-1]:
         value = float(np.interp(moment.time, ascent.time, ascent.height))
@@ -165,5 +166,6 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
         spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
     ports = STATIC_SD * slope**2 / (2 * GRAVITY) if track.is_barometric else 0.0
     late = slope * np.hypot(moment.sd, track.lag_sd)
-    sd = float(np.linalg.norm([spread, seen.pad_sd, slow_error_sd(track, seen), late, ports]))
+    bent = np.sqrt(3) * GRAVITY * moment.sd**2 / 2
+    sd = float(np.linalg.norm([spread, seen.pad_sd, slow_error_sd(track, seen), late, bent, ports]))
     return Figure(value, sd, track.source)

@@ -11,6 +11,7 @@ import numpy as np
 from fieldkit.analysis.apogee import slow_error_sd
 from fieldkit.analysis.channels import Heights, resolution_at
 from fieldkit.analysis.descent_stages import SLOWEST_DESCENT
+from fieldkit.analysis.ejection import EARLIEST_CHARGE
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import mad_sd, median_step, student_line
@@ -18,9 +19,8 @@ from fieldkit.flight.recovery import DESCENT_SPEED
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
-_EARLIEST, _BRAKED_SLACK, _BRAKED_SAMPLES = 1.2, 2.0, 5
-"""Longest time from a charge to an apogee that follows it: the parachute ends the climb; of 58 flights in one journal
-none took longer [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent speed plus this
+_BRAKED_SLACK, _BRAKED_SAMPLES = 2.0, 5
+"""Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent speed plus this
 slack does not reveal when it was braked, nor does one within the samples that show its speed [1]."""
 _SAME_HEIGHT, _LAST_SECOND = 3.0, 1.0
 """Heights closer than this many standard deviations may be of a rocket at rest [1]; the end of a log whose median is
@@ -187,7 +187,7 @@ def _from_unseen_ejection(slowest: float, height: float, lasts: float, step: flo
     between samples that are a `step` apart [s].
     """
     latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY + _BRAKED_SAMPLES * step, lasts / 2)
-    after = np.linspace(-_EARLIEST, latest, 41)
+    after = np.linspace(-EARLIEST_CHARGE, latest, 41)
     speeds = (height - GRAVITY * after**2 / 2) / (lasts - after)
     return float(speeds.mean()), float(speeds.std())
 
@@ -214,8 +214,8 @@ def descent_speed(
     upper = ejected.value + seen.pad if ejected else float(np.interp(start, track.time, seen.calm))
     if end is not None and level is not None and end.time - start > 1:
         value = (upper - level) / (end.time - start)
-        if known:  # a later ejection is lower and leaves less time, by about as much
-            sd = value * np.hypot(0.0 if ejected else begin.sd, end.sd) / (end.time - start)
+        if known:
+            sd = value * np.hypot(begin.sd, end.sd) / (end.time - start)
         else:
             value, sd = _from_unseen_ejection(value, upper - level, end.time - start, median_step(track.time))
             sd = np.hypot(sd, value * end.sd / (end.time - start))

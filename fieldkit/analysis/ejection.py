@@ -17,16 +17,26 @@ from fieldkit.shapes import Array, Float
 
 _CHARGES = ("ejection", "drogue")
 """Logger events that mark the first charge to deploy a parachute."""
+_MARK_SD, _SAME_TIME = 0.1, 0.3
+"""Standard deviation of the time of a logger's event, and the longest time from it to what its own charge does. [s]"""
+EARLIEST_CHARGE, _UNSEEN_SD = 1.2, 0.65
+"""Longest time from a charge to an apogee that follows it, because the parachute ends the climb (of 58 flights in one
+journal none took longer), and the standard deviation of a time from then to a second after apogee, until which a fall
+is too slow for its braking to be seen. [s]"""
 _SHOCK = 4 * GRAVITY
 """An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
 _AT_ITS_END = 0.999
 """Fraction of the end of a range above which an accelerometer is saturated. [1]"""
-_RISE = 0.02
-"""Longest rise time of a shock: the charge fired anything up to that earlier. [s]"""
+_RISE, _CHARGE_LASTS = 0.02, 0.02
+"""Longest rise time of a shock: the charge fired anything up to that earlier; and for how long the gas of a charge
+pushes the airframe (in four real logs of 100 samples per second one or two samples show it). [s]"""
+_LATEST_OPENING, _OPENING_WAY = 1.0, 8.0
+"""Longest time from a charge to the shock of the parachute [s], and the longest way until then: by the physics of
+`fieldkit.physics.descent`, eight diameters of a canopy of one meter [m]."""
 _FREE_FALL = 0.55
 """Least mean acceleration of a fall that nothing brakes but the air around the rocket, as a fraction of gravity. [1]"""
-_FALL_WINDOW = 0.8
-"""Time over which the speed of a fall is taken. [s]"""
+_FALL_WINDOW, _BRAKED_WITHIN = 0.8, 1.5
+"""Time over which the speed of a fall is taken, and time within which a parachute takes half of it away. [s]"""
 _LEVEL_TIME, _SEEN_FALL = 0.3, 5.0
 """Time over which heights show where a fall began and ended [s], and the least difference that shows a free one [m]."""
 _FEWEST_LEVELS = 5
@@ -58,6 +68,19 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     )
 
 
+def perhaps_of_opening(shocks: Event, push: Push, speed: float) -> Event:
+    """A shock that may be that of the parachute, because the charge before it was not felt, at a speed [m/s].
+
+    Derivation: a charge that is over between two samples is not felt, with the probability that none of them is within
+    its duration. Then it fired at any time before the shock in which a parachute opens, with the root mean square of an
+    even distribution; the faster the rocket, the sooner it has gone the way on which a parachute fills.
+    """
+    first = int(np.clip(np.searchsorted(push.time, shocks.time), 1, push.time.size - 1))
+    unfelt = max(1 - _CHARGE_LASTS / float(push.time[first] - push.time[first - 1]), 0.0)
+    opens = min(_LATEST_OPENING, _OPENING_WAY / max(abs(speed), 1e-3))
+    return replace(shocks, sd=float(np.hypot(shocks.sd, opens * np.sqrt(unfelt / 3))))
+
+
 def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
     """Median of what was felt just before each sample: the drag of a fast coast, which fades but does not jump."""
     width = max(3, round(_BASELINE_TIME / median_step(time)))
@@ -68,10 +91,26 @@ def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float
 def ejection(
     stated: Mapping[str, float], shocks: Event | None, track: Heights, apogee: Event, landed: Event | None
 ) -> Event | None:
-    """When the first charge fired in the air: as the logger marked it, as it was felt, or when the fall was braked."""
-    for name in _CHARGES:
-        if name in stated and (landed is None or stated[name] < landed.time):
-            return Event(float(stated[name]), 0.1, f"{name} event of the logger")
+    """When the first charge fired in the air: as the logger marked it, as it was felt, or when the fall was braked.
+
+    A logger marks when it switched its output on, whether a charge is connected or the motor ejects. So a shock, or a
+    braking after a free fall, is believed more than a mark that is not at its time. If the samples show neither, the
+    mark is as probable as any other time at which a charge would not have been seen.
+    """
+    marked = next((stated[name] for name in _CHARGES if name in stated), np.inf)
+    if marked >= (landed.time if landed else np.inf):
+        return _seen(shocks, track, apogee, landed)
+    event = Event(float(marked), _MARK_SD, "drogue event of the logger")
+    if shocks and shocks.time < apogee.time - EARLIEST_CHARGE:
+        shocks = None  # no parachute opened then: the climb did not end
+    seen = _seen(shocks, track, apogee, landed)
+    if seen is None:
+        return replace(event, sd=float(np.hypot(_MARK_SD, _UNSEEN_SD / np.sqrt(2))))
+    return event if abs(seen.time - event.time) < _SAME_TIME else seen
+
+
+def _seen(shocks: Event | None, track: Heights, apogee: Event, landed: Event | None) -> Event | None:
+    """When a charge was felt, or a parachute braked a free fall; None if the samples show neither."""
     if shocks and (landed is None or shocks.time < landed.time - 3 * landed.sd):
         return None if _hangs(track, apogee, shocks) else shocks
     return _braked(track, apogee, landed.time - 1 if landed else np.inf)
@@ -95,7 +134,8 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
 
     If the fall was braked before it became faster than the parachute allows, it cannot be distinguished from ejection
     at apogee, and nothing is reported. Nor is it if the fall was slower at any earlier time than a free one: then it is
-    the swinging of a rocket that a parachute already brakes.
+    the swinging of a rocket that a parachute already brakes; nor if it stays as fast: then a drogue was open, which
+    allows that speed, and a main braked it later.
 
     Derivation: the slope of heights over a window of 2h is a mean of the speeds there, with the weights of a parabola.
     It is highest when the speed is if the braking is as strong as gravity, and earlier if it is stronger: evenly
@@ -129,6 +169,7 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
         fall[fastest] < 1.5 * final_speed + max(2.0, blur)
         or fall[fastest] < _FREE_FALL * GRAVITY * late
         or fastest > 0.8 * fall.size
+        or float(np.interp(when[fastest] + _BRAKED_WITHIN, when, fall)) > (fall[fastest] + final_speed) / 2
         or (fall[:fastest] < freely[:fastest] - max(2.0, blur) - GRAVITY * apogee.sd).any()
     ):
         return None

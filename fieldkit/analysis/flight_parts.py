@@ -12,7 +12,7 @@ from fieldkit.analysis.descent import descent_speed, landing
 from fieldkit.analysis.descent_stages import descent_stages
 from fieldkit.analysis.disturbed_heights import lasting_step
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
-from fieldkit.analysis.ejection import ejection, shock
+from fieldkit.analysis.ejection import ejection, perhaps_of_opening, shock
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.hard_boost import hidden_lead, speed_by_climb
 from fieldkit.analysis.height_lag import MAX_HEIGHT_GAP
@@ -302,7 +302,11 @@ def _down(
     """Results from the descent; `resumed` is when samples resume if the top fell in a gap. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
-    ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
+    blow = shock(log.felt, burnout, apogee.time)
+    if blow is not None and log.felt is not None:
+        moved = np.interp(blow.time, log.ascent.time, log.ascent.speed, right=GRAVITY * (blow.time - apogee.time))
+        blow = perhaps_of_opening(blow, log.felt, float(moved))
+    ejected = ejection(log.stated, blow, track, apogee, landed)
     events: dict[str, Event] = {}
     figures: dict[str, Figure] = {}
     if ejected:

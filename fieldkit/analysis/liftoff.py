@@ -19,6 +19,8 @@ _THRUST = 2 * GRAVITY
 
 _FEW_SAMPLES = 3
 """Fewest samples of an accelerometer that show thrust. [1]"""
+_FIRST_TIME = 0.5
+"""Time from the first sample of an accelerometer in which heights show a first speed. [s]"""
 _IGNITION = 0.02
 """Longest time in which thrust rises to a fifth of its mean: lift-off is earlier by anything up to that. [s]"""
 
@@ -45,6 +47,8 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
         corner = _by_dive(corner, track, seen) or corner
     if corner is not None and push is not None and _is_under_way(push, corner):
         return None
+    if corner is not None and push is not None and push.time[0] > corner.time:
+        return _with_first_speed(corner, push, track)
     return checked_by_climb(corner, track, seen) if corner is not None and track.is_barometric else corner
 
 
@@ -77,6 +81,27 @@ def _is_under_way(push: Push, corner: Event) -> bool:
     if not before.size and push.time[0] <= corner.time:
         before = push.felt[:_FEW_SAMPLES]
     return before.size > 0 and float(before.min()) > _THRUST
+
+
+def _with_first_speed(corner: Event, push: Push, track: Heights) -> Event:
+    """A lift-off before the first sample of an accelerometer by the first heights, averaged with that by their first
+    speed, up to half of the difference: a logger that sets its zero in flight hides how high it was, not how fast.
+
+    Derivation: heights are h + v t plus what the accelerometer felt, integrated twice, and a speed v under an
+    acceleration a takes a time v/a.
+    """
+    begin = float(push.time[0])
+    first = (push.time < begin + _FIRST_TIME) & np.isfinite(push.felt)
+    inside = (track.time >= begin) & (track.time < begin + _FIRST_TIME)
+    net = push.felt[first] - GRAVITY
+    if first.sum() < _FEW_SAMPLES or inside.sum() < _FEW_SAMPLES or float(net.min()) < _THRUST - GRAVITY:
+        return corner
+    when = push.time[first]
+    gained = np.interp(track.time[inside], when, running_integral(running_integral(net, when), when))
+    speed = float(np.polyfit(track.time[inside] - begin, track.height[inside] - gained, 1)[0])
+    other = begin - max(speed, 0.0) / float(net[:_FEW_SAMPLES].mean())
+    half = (other - corner.time) / 2
+    return replace(corner, time=corner.time + half, sd=float(np.hypot(corner.sd, half)))
 
 
 def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:

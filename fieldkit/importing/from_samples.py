@@ -20,6 +20,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import MEASURED, READOUTS
 from fieldkit.flight.log_origin import LogOrigin
 from fieldkit.importing.height_units import with_proven_heights
+from fieldkit.importing.jumped_clock import with_even_clock
 from fieldkit.importing.reading import MOST_FLIGHTS, Note, Parsed, Reading
 from fieldkit.messages import marked, message
 from fieldkit.quantities import counted
@@ -55,6 +56,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     extra columns name the parser that reads the log again, and which of its flights this is.
     """
     reading, proven = with_proven_heights(reading)
+    reading, jumps = with_even_clock(reading)
     recorded = widened_by_contradictions(measure(reading.clocks, reading.events), reading.stated)
     recorded = replace(recorded, device=by_device(reading.clocks, recorded, reading.events))
     air = [
@@ -81,7 +83,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
         fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
     known = _origin(reading, format, str(part) if parts > 1 else "")
     measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known}, recorded=recorded)
-    return [measured, *proven, *(Note(text, reading.row) for text in recorded.notes)]
+    return [measured, *proven, *jumps, *(Note(text, reading.row) for text in recorded.notes)]
 
 
 def _states_figures(reading: Reading) -> bool:

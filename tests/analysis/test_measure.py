@@ -350,6 +350,17 @@ def test_a_logger_may_set_its_zero_when_it_notices_the_flight(notices: float) ->
     assert abs(off(recorded, truth, "time_to_apogee")) < 0.2
 
 
+@pytest.mark.parametrize("rocket", [SMALL, LARGE, TINY], ids=["small", "large", "tiny"])
+@pytest.mark.parametrize("late", [0.1, 0.2])
+def test_a_zero_set_just_after_lift_off_does_not_shorten_the_burn(rocket: Rocket, late: float) -> None:
+    """The first heights hide how high it was by then, but not how fast."""
+    truth = flown(rocket)
+    heights, felt = log(truth, Logger(accelerometer=100, late=late), np.random.default_rng(2))
+    zeroed = replace(heights, altitude=heights.altitude - np.median(heights.altitude[:2]))
+    figure = measure((zeroed, felt)).figures.get("burn_time")
+    assert figure is None or abs(figure.value - truth.readouts()["burn_time"]) < 1.9 * figure.sd
+
+
 def test_without_samples_on_the_pad_the_zero_is_as_certain_as_the_landing_height() -> None:
     near, truth = measured(SMALL, Logger(late=0.3))
     far, _ = measured(SMALL, Logger(late=0.3, drift=8))

@@ -640,3 +640,20 @@ def test_the_pressure_in_a_motor_is_not_that_of_the_air() -> None:
     rows = "".join(f"{i / 20:.2f},{15 + 300 * (20 < i < 60)}\n" for i in range(200))
     with pytest.raises(UnknownFormat):
         read(f"time_s,chamber [psi]\n{rows}".encode(), "stand.csv", any_motor)
+
+
+@pytest.mark.parametrize("names", [("low_g_accel (g)", "high_g_accel (g)"), ("high_g (g)", "low_g (g)")])
+def test_of_two_accelerometers_the_one_that_is_not_saturated_is_used(names: tuple[str, str]) -> None:
+    """Filling in what the low one missed from the heights, as for a logger that has no other, is far less precise."""
+    thrust = [1.0, *np.linspace(9, 7, 20), -1.0]
+    lines = []
+    for t, h, _ in climb():
+        felt = float(np.interp(t, [0.0, *np.linspace(0.05, 1.0, 20), 1.05], thrust, right=-0.3))
+        low = min(max(felt, -4.0), 4.0)
+        cells = (low, felt) if names[0].startswith("low") else (felt, low)
+        lines.append(f"{t:.2f},{h:.2f},{cells[0]:.2f},{cells[1]:.2f}")
+    header = ",".join(("time (s)", "altitude (m)", *names))
+    found = open_log("\n".join([header, *lines]).encode(), "log.csv", None).found
+    (series,) = next(one for one in found if isinstance(one, Reading)).clocks
+    assert series.felt is not None
+    assert np.nanmax(series.felt) == pytest.approx(9 * 9.80665, rel=0.01)

@@ -64,6 +64,8 @@ _MUCH_FURTHER = 3.0
 _CLIPPED_FROM, _LEAST_CLIPPED = 0.995, 4
 """Fraction of its highest value within which an accelerometer is at the end of its range, and number of such rows that
 show it. [1]"""
+_ALONG = ("felt", "felt?", "acceleration")
+"""Channels of an acceleration along the rocket."""
 _RISES = 0.9
 """Fraction of rows from which a column of times that is named after steps is a clock all the same. [1]"""
 _HOUR = 3600.0
@@ -401,20 +403,22 @@ def falls_first(values: Float[Array, "row"]) -> bool:
 
 
 def _with_wider_range(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
-    """The columns without the axes of a first accelerometer that is clipped where a second in the same unit is not."""
-    sets: list[list[Pick]] = [[], []]
-    for pick in picks:
-        if pick.channel in ("felt_x", "felt_y", "felt_z") and not pick.chosen:
-            place = sum(pick.channel == one.channel for one in sets[0])
-            sets[place].append(pick)
-    first, second = sets
-    if not (
-        len(first) == len(second) == len("xyz") and {pick.unit for pick in first} == {pick.unit for pick in second}
-    ):
-        return list(picks)
-    highest, wider = (max((np.abs(columns[pick.place]) for pick in one), key=np.nanmax) for one in sets)
-    clipped = int((highest > _CLIPPED_FROM * np.nanmax(highest)).sum()) >= _LEAST_CLIPPED
-    return [one for one in picks if one not in first] if clipped and _beyond(wider, highest) else list(picks)
+    """The columns without a first accelerometer that is clipped where a second one in the same unit is not: two columns
+    along the rocket, or two times three axes."""
+    every = [pick for pick in picks if not pick.chosen]
+    along = [[pick] for pick in every if pick.channel in _ALONG]
+    axes = [[pick for pick in every if pick.channel == f"felt_{axis}"] for axis in "xyz"]
+    for kind in (along, [list(one) for one in zip(*axes, strict=False)]):
+        for first, second in pairwise(kind):
+            if [pick.unit for pick in first] != [pick.unit for pick in second]:
+                continue
+            highest, wider = (
+                max((np.abs(columns[pick.place]) for pick in one), key=np.nanmax) for one in (first, second)
+            )
+            clipped = int((highest > _CLIPPED_FROM * np.nanmax(highest)).sum()) >= _LEAST_CLIPPED
+            if clipped and _beyond(wider, highest):
+                picks = [one for one in picks if one not in first]
+    return list(picks)
 
 
 def _beyond(values: Float[Array, "row"], others: Float[Array, "row"]) -> bool:
