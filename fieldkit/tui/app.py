@@ -20,6 +20,7 @@ from textual.command import CommandPalette, Provider
 from textual.dom import DOMNode
 from textual.message_pump import MessagePump
 from textual.screen import Screen
+from textual.scrollbar import ScrollBar
 from textual.widget import AwaitMount
 from textual.widgets import Input
 
@@ -37,11 +38,14 @@ from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.bars import Notice, NoticeBar
+from fieldkit.tui.widgets.scrollbar import SpacedBar
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Change, UndoStep
     from fieldkit.tui.crash import Crash
     from fieldkit.tui.flights.flights_page import FlightsScreen
+
+ScrollBar.renderer = SpacedBar
 
 PAUSE = 0.05
 """Pause between opening two pages off screen, so that keys are handled. [s]"""

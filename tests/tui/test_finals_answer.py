@@ -22,7 +22,9 @@ async def test_finals_have_a_table_for_each_target(tmp_path: Path, monkeypatch: 
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "exclamation_mark")
         shown = str(pilot.app.screen.query_one("#answer", Static).content)
-        checks = text_of(pilot, "#beside")
+        checks = text_of(pilot, "#under")
+        assert "Points of a flight by the target [m], fewer are better" in text_of(pilot, "#title")
+        assert pilot.app.screen.query_one("#first").display
     assert "window 41 to 44 s" in shown
     assert "never 800" in shown
     assert "field size: unknown" in checks
@@ -45,6 +47,7 @@ async def test_a_season_has_its_steps_with_the_declared_flights(
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "left")
         shown = str(pilot.app.screen.query_one("#answer", Static).content)
+        assert "Score at the end of qualification, as in step 6" in text_of(pilot, "#title")
     steps = [line for line in shown.splitlines() if line[:1].isdecimal()]
     assert len(steps) == 7
     assert steps[5].startswith("6. qualification: 1 of 3 declared")

@@ -1,12 +1,14 @@
 """The table of flights, one flight in full, and tags with their effects."""
 
 import asyncio
+import re
 import sys
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.color import Color as RichColor
 from textual.events import AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
@@ -15,11 +17,14 @@ from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
 from fieldkit.settings import change_settings
+from fieldkit.tui.flights.flight_rows import columns
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
+from fieldkit.tui.next.intervals import HeightScale
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.plots import Ink, Plot, below_line, filled_columns
+from fieldkit.tui.widgets.plots import Ink, Plot, below_line, filled_columns, label_flights
+from fieldkit.tui.widgets.scrollbar import SpacedBar
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, text_of, typed, words
 
@@ -496,3 +501,63 @@ def test_a_line_near_zero_is_not_filled_in_fragments() -> None:
     climb, descent = [0.0, 60.0, 180.0, 90.0, 5.0], [-9.0, -11.0, -12.0, -9.0, -13.0]
     filled = filled_columns(np.array([*climb, *descent]), 200.0, ink)
     assert filled.tolist() == [False, True, True, True, False, *[False] * 5]
+
+
+class Axis:
+    """An axis of plotext that keeps its labels."""
+
+    def xticks(self, _places: list[float], labels: list[str]) -> None:
+        self.labels = labels
+
+    def xlim(self, *_ends: float) -> None:
+        pass
+
+
+def test_as_many_flights_are_labeled_as_fit_the_selected_one_first() -> None:
+    ids = [f"{number:02}" for number in range(30)]
+    broad, narrow = Axis(), Axis()
+    label_flights(broad, Ink(200, 20, *["default"] * 5), ids, 7)
+    assert sorted(broad.labels) == ids
+    label_flights(narrow, Ink(40, 20, *["default"] * 5), ids, 7)
+    assert narrow.labels[:2] == ["07", "29"]
+    assert 5 < len(narrow.labels) < 15
+
+
+def test_a_scrollbar_leaves_a_cell_free_beside_text() -> None:
+    bar = SpacedBar.render_bar(10, 40, 10, 5, 2, True, RichColor.default(), RichColor.parse("red"))
+    lines = "".join(part.text for part in bar.segments).splitlines()
+    assert len(lines) == 10
+    assert {len(line) for line in lines} == {2}
+    first = [part for part, end in zip(bar.segments[::3], bar.segments[2::3], strict=True) if end.text == "\n"]
+    assert len(first) == 10
+    assert {(part.text, part.style.color if part.style else None) for part in first} == {(" ", None)}
+    single = SpacedBar.render_bar(10, 40, 10, 5, 1, True, RichColor.default(), RichColor.parse("red"))
+    assert {len(part.text) for part in single.segments} == {1}
+
+
+async def test_the_pages_have_such_a_scrollbar(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter")
+        assert pilot.app.screen.query_one("#all").vertical_scrollbar.renderer is SpacedBar
+
+
+async def test_a_low_strip_shows_whole_blocks_of_the_rocket(file: Path) -> None:
+    async with opened(file, (120, 36)) as pilot:
+        await press(pilot, "end", "enter", "_")
+        assert "a sketch" in text_of(pilot, "RocketStrip Static")
+        assert "Motors it flew on" not in text_of(pilot, "RocketStrip Static"), "it would be cut"
+        await pilot.resize_terminal(120, 90)
+        while pilot.app.screen.query_one(RocketStrip).size.height < 20:
+            await pilot.pause()
+        await press(pilot, "_")
+        assert "Motors it flew on" in text_of(pilot, "RocketStrip Static")
+
+
+async def test_thrust_is_shown_beside_the_card_too(file: Path) -> None:
+    shown_columns = [one.title for one in columns(78, HeightScale(0.0, 300.0), beside=True, tags=4)]
+    assert shown_columns[7] == "α"
+    assert len(shown_columns) == 11, "with the forecast"
+    assert "α" not in [one.title for one in columns(78, HeightScale(0.0, 300.0), beside=True, tags=11)]
+    async with opened(file, (120, 36)) as pilot:
+        await press(pilot, "_")
+        assert re.search(r"Inferred Cd 0\.\d\d Thrust factor 0\.\d\d", text_of(pilot, "#card"))

@@ -5,6 +5,9 @@ from pathlib import Path
 import pytest
 
 from fieldkit.planning.kits import kit_of, read_kits
+from fieldkit.tui.setup.setup_card import SetupCard
+from fieldkit.tui.widgets.plots import Plot
+from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, opened, press, text_of, typed, words
 
 CHECK_SHAPES = False
@@ -78,3 +81,44 @@ async def test_a_kit_shows_the_motors_that_fit_it_and_the_rockets_named_after_it
         assert "Astra B " in words(pilot)
         assert "B B2 !, B4 !, B6, B6W !, B14T" in words(pilot)
         assert "! thrust to weight below 5" in words(pilot)
+
+
+async def test_each_list_of_setup_is_searched_by_its_own_words(file: Path) -> None:
+    own = file.parent / "home" / "kits.toml"
+    own.parent.mkdir(exist_ok=True)
+    own.write_text('["Big Bertha"]\nmount_mm = 18\n[Alpha]\nmount_mm = 13\n')
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "left", "left", "slash", *typed("bertha"), "enter")
+        assert "Big Bertha" in words(pilot)
+        assert "Alpha" not in words(pilot)
+        assert "x Remove" in words(pilot)
+        await press(pilot, "slash", *typed("zz"), "enter")
+        assert "no row has all of these words; / changes them" in words(pilot)
+        assert "Remove" not in text_of(pilot, "KeyBar")
+        await press(pilot, "left", "left", "slash", *typed(" b"), "enter")
+        assert "Astra B" in words(pilot)
+        assert "Astra A" not in words(pilot)
+        await press(pilot, "right", "right", "slash", "ctrl+u", "enter")
+        assert "Alpha" in words(pilot)
+        await press(pilot, "right")
+        assert "Find" not in text_of(pilot, "KeyBar"), "settings are too few to search"
+        await press(pilot, "slash")
+        assert "theme" in words(pilot)
+
+
+async def test_a_short_list_leaves_its_room_to_the_card_with_its_picture_beside_the_facts(file: Path) -> None:
+    own = file.parent / "home" / "kits.toml"
+    own.parent.mkdir(exist_ok=True)
+    own.write_text("[astra]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n")
+    async with opened(file, (160, 50)) as pilot:
+        for keys in (TO_KITS, ("left",)):  # kits, sites
+            await press(pilot, *keys, "_")
+            screen = pilot.app.screen
+            table, card = screen.query_one(Table).region, screen.query_one(SetupCard).region
+            plot = screen.query_one(Plot)
+            assert table.width == card.width == 160
+            assert table.height < 8 < 30 < card.height
+            assert plot.region.x > 75
+            assert plot.region.height > 30
+        await press(pilot, "left", "left")
+        assert screen.query_one(Table).region.height > 30, "the catalog is long"

@@ -56,7 +56,7 @@ async def test_a_list_of_answers_opens_below_its_line_and_moves_no_form(
         assert "▌F24 " in shown(pilot)
 
 
-@pytest.mark.parametrize(("columns", "column"), [(120, 9), (130, 9), (149, 10), (160, 10)])
+@pytest.mark.parametrize(("columns", "column"), [(120, 9), (130, 10), (149, 10), (160, 10)])
 async def test_the_flights_page_draws_forecast_flown_and_target_beside_the_card(
     columns: int, column: int, file: Path
 ) -> None:

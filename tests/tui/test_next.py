@@ -26,7 +26,7 @@ from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.imports.mapping_form import FIRST_FIELDS
-from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.next.motor_list import MAX_FORECAST_MOTORS, MAX_KEPT_FORECASTS, MotorList
 from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.widgets.bars import KeyBar, shortened
@@ -737,6 +737,24 @@ def test_forecasts_of_a_replaced_plan_are_not_shown_for_the_next_plan() -> None:
     motors.turn_to(new)
     motors.put(old, [choice])
     assert motors.known == {}
+
+
+def test_many_searches_keep_a_bounded_number_of_forecasts_and_all_of_the_last_one() -> None:
+    plan = Mock(order=lambda target: MotorOrder(target))
+    motors = MotorList(plan)
+    for _ in range(5):
+        motors.found = [Mock() for _ in range(MAX_FORECAST_MOTORS)]
+        while waiting := motors.waiting(None):
+            motors.put(plan, [Mock(motor=motor) for motor in waiting])
+        assert all(motors.shown(motor) for motor in motors.found)
+    assert len(motors.known) == MAX_KEPT_FORECASTS
+    motors.put_exact(motors.found[0], Mock())
+    before = motors.found
+    for _ in range(2):
+        motors.found = [Mock() for _ in range(MAX_FORECAST_MOTORS)]
+        motors.put(plan, [Mock(motor=motor) for motor in motors.found])
+    assert before[0] not in motors.known
+    assert motors.exact == set()
 
 
 def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them() -> None:

@@ -109,9 +109,9 @@ def columns(
     tags: int = 0,
 ) -> list[Shown]:
     """The columns that fit: narrow screens shorten the date, the rocket and the tags; with enough room, the forecast
-    and the flown apogee are drawn on a scale; a narrow table `beside` the card of a flight has this instead of
-    alpha if the tags leave room. `rocket` and `tags` are the lengths of the longest rocket's name and of the longest
-    tags. [cell]"""
+    and the flown apogee are drawn on a scale; a narrow table `beside` the card of a flight has this too, without alpha
+    if the tags leave no room for both. `rocket` and `tags` are the lengths of the longest rocket's name and of the
+    longest tags. [cell]"""
     brief = beside and TIGHT <= width < WITH_FORECASTS
     wide, tight = width >= 134, width < TIGHT
     timed = width >= 108
@@ -150,8 +150,8 @@ def columns(
         ),
         Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
         Shown(
-            "α" if tight else "thrust",
-            6 if not tight else 4,
+            "α" if tight or brief else "thrust",
+            4 if tight or brief else 6,
             lambda r, _: _number(r.thrust, ".2f"),
             lambda r: r.thrust or 0.0,
             right=True,
@@ -167,10 +167,12 @@ def columns(
         ),
         Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
     ]
-    drawn = [one for one in shown if one.key != "alpha"] if brief else shown
-    left = width - sum(one.width + 1 for one in drawn) - 2
-    room = left - max(len("tags") + 1, min(tags, MAX_TAGS)) if brief else int(left * 2 / 5)
-    return [*drawn, _drawn(room, scale, system)] if room >= MIN_DRAWN and (brief or width >= WITH_FORECASTS) else shown
+    for drawn in (shown, [one for one in shown if one.key != "alpha"]) if brief else (shown,):
+        left = width - sum(one.width + 1 for one in drawn) - 2
+        room = left - max(len("tags") + 1, min(tags, MAX_TAGS)) if brief else int(left * 2 / 5)
+        if room >= MIN_DRAWN and (brief or width >= WITH_FORECASTS):
+            return [*drawn, _drawn(room, scale, system)]
+    return shown
 
 
 def _drawn(room: int, scale: HeightScale, system: str) -> Shown:

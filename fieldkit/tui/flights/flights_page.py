@@ -21,7 +21,6 @@ from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.presentation import logged
 from fieldkit.presentation.one_off_text import why
 from fieldkit.quantities import spelled, unit_of
-from fieldkit.safe_text import printable
 from fieldkit.services.inferred import FlightInference, Inferred
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.comparing import Beside, beside_others
@@ -39,7 +38,7 @@ from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
 from fieldkit.tui.widgets.line import Line
-from fieldkit.tui.widgets.plots import Plot, draw_in, round_ticks, spaced
+from fieldkit.tui.widgets.plots import Plot, draw_in, label_flights, round_ticks
 from fieldkit.tui.widgets.table import Table
 
 MAX_DRAWN_FLIGHTS = 120
@@ -103,6 +102,8 @@ def _figures(row: FlightRow, beside: FlightBesideOthers | None, system: str) -> 
     yield cards.lines(cards.heading(row.flight, row.id), ())
     if beside is not None:
         yield hanging([why(beside, system)])
+    inferred = (("Cd", row.drag), ("Thrust factor", row.thrust))
+    yield cards.lines("Inferred", [(name, f"{value:.2f}") for name, value in inferred if value is not None], 20)
     yield cards.lines("Readouts", cards.readouts(row.flight, system), 20)
     if row.flight.tags:
         yield cards.lines("Tags", cards.tags(row.flight))
@@ -115,15 +116,11 @@ def _draw_course(row: FlightRow, known: Sequence[FlightRow], plt: Any, ink: Any)
     """Draw Cd of each flight in order, with a vertical line at the current one and their ids below."""
     drags = [one.drag or 0.0 for one in known]
     plt.scatter(list(range(len(known))), drags, marker="●", color=ink.line)
-    ends = {len(known) - 1, 0}
     here = next((place for place, one in enumerate(known) if one.id == row.id), None)
     if here is not None:
         plt.vline(here, color=ink.mark)
         plt.scatter([here], [drags[here]], marker="●", color=ink.mark)
-    places = ([here] if here is not None else []) + sorted(ends - {here})
-    labels = spaced([(float(place), printable(known[place].id)) for place in places], 0.0, len(known) - 1.0, ink.width)
-    plt.xticks(list(labels), list(labels.values()))
-    plt.xlim(-0.5, len(known) - 0.5)
+    label_flights(plt, ink, [one.id for one in known], here)
     at = round_ticks(min(drags), max(drags), max(3, ink.height // 4))
     plt.yticks(at, [f"{drag:g}" for drag in at])
 

@@ -32,6 +32,7 @@ from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed
 from fieldkit.planning.delay import Delays, delays, drill_of
 from fieldkit.planning.descent_rate import fall_of
+from fieldkit.planning.finals import FinalsRow
 from fieldkit.planning.forecasts import Plan
 from fieldkit.planning.limits import Limit
 from fieldkit.planning.outlook import outlook
@@ -180,10 +181,26 @@ def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None
     )
 
 
-def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
-    """The density of the points of a flight."""
+def of_points(answer: Answer, points: Float[Array, "draw"], what: str = "Points of a flight") -> Answer:
+    """The density of the points of a flight, or of `what`."""
     draw = draw_density(points, lambda value: f"{value:.0f}")
-    return replace(answer, title="Points of a flight, fewer are better; filled 90%, line the median", draw=draw)
+    return replace(answer, title=f"{what}, fewer are better; filled 90%, line the median", draw=draw)
+
+
+def of_targets(answer: Answer, table: Sequence[FinalsRow], system: str) -> Answer:
+    """The points of a flight for each target of a table, as a line."""
+    if len(table) < 2:
+        return answer
+    targets, points = [_scaled(system, row.target) for row in table], [row.points for row in table]
+    unit = spelled(unit_of(cards.APOGEE, system))
+
+    def draw(plt: Any, ink: Any) -> None:
+        plt.plot(targets, points, marker="braille", color=ink.line)
+        plt.scatter(targets, points, marker="●", color=ink.mark)
+        margin = 0.1 * (max(points) - min(points)) or 1.0
+        round_axes(plt, ink, (targets[0], targets[-1]), (min(points) - margin, max(points) + margin))
+
+    return replace(answer, title=f"Points of a flight by the target [{unit}], fewer are better", draw=draw)
 
 
 def saved_forecast_plot(answer: Answer, found: Sequence[SavedForecast], system: str) -> Answer:
@@ -297,9 +314,12 @@ class Decision:
         for step, (name, state, texts) in enumerate(season_steps(one, SEASON_KEYS, self.system), start=1):
             state = f": {state}" if state else ""
             words += ["", f"{step}. {name}{state}", *(f"   {by_keys(text)}" for text in texts)]
-        return Answer(
+        answer = Answer(
             tuple(words), tuple(unfolded(one.lines, self.system)), folded=tuple(folded(one.lines, self.system))
         )
+        if one.scores is None:
+            return of_points(answer, one.ahead.points.ravel())
+        return of_points(answer, one.scores, "Score at the end of qualification, as in step 6")
 
     def contest_checks(self, rule: Season, day: Day) -> Callable[[Prediction, float], list[SafetyCheck]]:
         """The safety checks of a forecast with a fraction of the parachute's area [1], and the season's limits."""

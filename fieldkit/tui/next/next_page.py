@@ -252,7 +252,7 @@ class NextScreen(PageScreen):
     NextScreen #search Static { width: auto; padding: 0 1; }
     NextScreen #search Input, NextScreen #search Input:focus { width: 1fr; height: 1; border: none; padding: 0; }
     NextScreen #motors { width: 5fr; }
-    NextScreen #card { width: 38; padding: 0 1; border-left: solid $border-blurred; scrollbar-size-vertical: 1; }
+    NextScreen #card { width: 38; padding: 0 1; border-left: solid $border-blurred; }
     NextScreen.-wide #card { width: 40%; min-width: 60; border: round $border-blurred;
         border-title-color: $foreground; border-subtitle-color: $foreground; }
     NextScreen.-narrow #split { layout: vertical; }

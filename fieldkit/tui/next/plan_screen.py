@@ -38,7 +38,7 @@ from fieldkit.tui.add.fields import Form
 from fieldkit.tui.help import Help
 from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
-from fieldkit.tui.next.decisions import AIMS, Decision
+from fieldkit.tui.next.decisions import AIMS, Decision, of_targets
 from fieldkit.tui.next.next_words import UNFOLD_KEY, folded, unfolded
 from fieldkit.tui.next.plan_pages import PAGES, ask_page, finals_of
 from fieldkit.tui.page import PageScreen
@@ -63,11 +63,12 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
         *FINALS_NOTES,
         *finals_notes(one),
     )
-    return Answer(
+    answer = Answer(
         words,
         (ENDS_NOTE, "", *unfolded(one.lines, system)),
         folded=(ENDS_NOTE, "", *folded(one.lines, system)),
     )
+    return of_targets(answer, one.table, system)
 
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Season", "Finals")
@@ -193,7 +194,7 @@ class PlanScreen(PageScreen):
     PlanScreen.-wide #words.-drawn #beside { display: none; }
     PlanScreen.-wide #main { width: 3fr; min-width: 78; }
     PlanScreen.-wide #beside { width: 2fr; margin: 0 0 0 2; }
-    PlanScreen.-wide #words.-drawn #main { width: 1fr; min-width: 70; }
+    PlanScreen.-wide #words.-drawn #main { width: 1fr; min-width: 75; }
     PlanScreen.-wide #picture { width: 1fr; margin: 0 0 0 2; }
     PlanScreen.-wide #words.-one Plot { height: 70vh; }
     PlanScreen.-wide #words.-two Plot { height: 41vh; }

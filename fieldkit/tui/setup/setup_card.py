@@ -28,13 +28,12 @@ from fieldkit.planning.rule_lines import field_sizes
 from fieldkit.planning.safety import thrust_check
 from fieldkit.quantities import ShownUnits, density, measure, number, spelled, unit_of
 from fieldkit.rocket import Configuration
-from fieldkit.safe_text import printable
 from fieldkit.services.plausible_flights import motor_type
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
-from fieldkit.tui.widgets.plots import EIGHTHS, draw_in, round_ticks, spaced
+from fieldkit.tui.widgets.plots import EIGHTHS, draw_in, label_flights, round_ticks
 from fieldkit.units import ZERO_CELSIUS
 
 SKETCHED_FINENESS = 12.0
@@ -87,6 +86,15 @@ def drawing(length: float | None, diameter: float, width: int) -> list[Content]:
         above.append(Content.assemble(*upper))
         below.append(Content.assemble(*lower))
     return [*reversed(above), *below]
+
+
+def draw_rocket(diameter: float, _: Any, ink: Any) -> Content:
+    """A rocket with a diameter [m] from the side, a sketch as large as a plot has room for, in its middle."""
+    rows = len(drawing(None, diameter, DRAWING_WIDTH))
+    width = min(ink.width, DRAWING_WIDTH * ink.height // rows)
+    lines = drawing(None, diameter, width)
+    lines = [Content(" " * ((ink.width - width) // 2)) + line for line in lines]
+    return Content("\n").join([Content()] * ((ink.height - len(lines)) // 2) + lines)
 
 
 def centers(cg: float, cp: float, width: int) -> str:
@@ -146,6 +154,7 @@ class SetupCard(VerticalScroll):
         """Show the whole card, with its picture if there is room."""
         self.query_one("#facts", Static).update(stacked(facts.blocks))
         draw_in(self, facts.draw, facts.title)
+        self.set_class(facts.draw is not None, "-drawn")
         below = self.query_one("#below", Static)
         below.update(stacked(facts.below))
         below.display = bool(facts.below)
@@ -260,10 +269,10 @@ def of_kit(kit: Kit, system: str, builds: Sequence[Group], motors: Catalogue) ->
     use = Hanging(((0, Content("Name a rocket after the kit, on Home or with p on Fly: it starts with these.")),))
     named = [one for one in builds if one.names[0].casefold() == kit.name.casefold()]
     rockets = [(" ".join(one.names).strip(), _heights(one.flights, system)) for one in named]
-    drawn = (_side_view(kit.diameter, None),) if kit.diameter else ()
     blocks = [cards.lines("Rockets named after it", rockets)] if rockets else [use]
     fitting = cards.lines("Motors that fit it", motors_of_kit(kit, motors))
-    return Facts((cards.lines(kit.name, pairs), *blocks, *drawn, fitting))
+    draw = partial(draw_rocket, kit.diameter) if kit.diameter else None
+    return Facts((cards.lines(kit.name, pairs), *blocks, fitting), caption(None), draw)
 
 
 def motors_of_kit(kit: Kit, motors: Catalogue) -> list[tuple[str, str]]:
@@ -321,11 +330,7 @@ def draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, 
             plt.scatter(places, [heights[place] for place in places], marker=marker, color=colour)
     if ceiling is not None:
         plt.hline(float(number(cards.APOGEE, ceiling, system)), color=ink.mark)
-    last = len(flights) - 1
-    ids = [(float(place), printable(flights[place].flight_id)) for place in (last, *range(last))]
-    labels = spaced(ids, 0.0, float(last), ink.width)
-    plt.xticks(list(labels), list(labels.values()))
-    plt.xlim(-0.5, last + 0.5)
+    label_flights(plt, ink, [one.flight_id for one in flights])
     drawn = [*heights, *([float(number(cards.APOGEE, ceiling, system))] if ceiling is not None else [])]
     low, high = min(drawn), max(drawn)
     margin = 0.08 * (high - low) or 1.0

@@ -34,6 +34,12 @@ class ListContents(NamedTuple):
     cells: Cells
     name: Callable[[Any], Hashable] = lambda key: key
 
+    def matching(self, text: str) -> "ListContents":
+        """The rows that have all words of a text."""
+        words = text.casefold().split()
+        rows = ((key, " ".join(self.cells(key)).casefold()) for key in self.keys)
+        return self._replace(keys=[key for key, row in rows if all(word in row for word in words)])
+
 
 def motors_listed(found: Sequence[Motor], system: str, width: int) -> ListContents:
     """The motors that a search found, their masses in the unit of a system."""

@@ -80,6 +80,9 @@ KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 """Names of the lists."""
 ENTER = ("Details", "Edit rocket", "Edit site", "Edit kit", "Change")
 """What Enter does on a row of these lists."""
+SEARCHES = ("motor: F24, aerotech 24mm, a case ...", "rocket, configuration, motor ...", "site ...", "kit ...", "")
+"""What may be typed to find rows of these lists; empty for a list without a search."""
+NOT_FOUND = "no row has all of these words; / changes them"
 
 EMPTY_LISTS = (
     "No matching motor; / changes the search",
@@ -128,15 +131,21 @@ class SetupScreen(PageScreen):
     SetupScreen SetupCard.-motors { display: none; }
     SetupScreen Table.-settings { height: 8; }
     SetupScreen.-short.-normal SetupCard Plot, SetupScreen.-short.-narrow SetupCard Plot { height: 8; }
-    SetupScreen.-wide #split { layout: horizontal; }
-    SetupScreen.-wide Table { height: 1fr; }
-    SetupScreen.-wide SetupCard { display: block; width: 40%; min-width: 62; height: 1fr;
-        border: round $border-blurred; }
+    SetupScreen.-wide Table { height: auto; min-height: 5; max-height: 40%; }
+    SetupScreen.-wide SetupCard { height: 1fr; border: round $border-blurred; }
+    SetupScreen.-wide SetupCard.-drawn Plot { dock: right; width: 50%; height: 100%; max-height: 100%;
+        margin: 0 0 0 2; }
+    SetupScreen.-wide #split.-motors { layout: horizontal; }
+    SetupScreen.-wide #split.-motors Table { height: 1fr; max-height: 100%; }
+    SetupScreen.-wide #split.-motors SetupCard { display: block; width: 40%; min-width: 62; }
+    SetupScreen.-wide #split.-motors SetupCard Plot { dock: none; width: 1fr; height: 1fr; max-height: 30;
+        margin: 1 0 0 0; }
     """
 
     def __init__(self) -> None:
         super().__init__()
         self._kind = 0
+        self._texts = [""] * len(KINDS)
         self._names = LedgerNames((), ())
         self._found: Sequence[Motor] = ()
         self._kits: Sequence[Kit] = ()
@@ -148,7 +157,7 @@ class SetupScreen(PageScreen):
         yield TabLine(KINDS, "screen.kind")
         with Horizontal(id="search"):
             yield Static("/")
-            yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
+            yield Line(placeholder=SEARCHES[0], compact=True)
         with Container(id="split"):
             yield Table(empty="nothing yet", enter=self.ON_ENTER[0])
             yield SetupCard(id="card")
@@ -194,12 +203,16 @@ class SetupScreen(PageScreen):
 
     @on(Input.Changed)
     def _search_again(self) -> None:
-        """Start a new search at its first motor."""
+        """Start a new search of the open list at its first row."""
         self.query_one(Table).by_hand = False
-        self._search_now()
+        self._texts[self._kind] = self.query_one(Input).value
+        if self._kind == 0:
+            self._search_now()
+        else:
+            self._show()
 
     def _search_now(self) -> None:
-        text = self.query_one(Input).value
+        text = self._texts[0]
         self.ask(lambda: self.resources.motors.search(text), self._have_motors, "motors")
 
     def _have_motors(self, motors: list[Motor]) -> None:
@@ -215,13 +228,15 @@ class SetupScreen(PageScreen):
         if not self.query(SetupCard):
             return
         self.query_one(TabLine).front(self._kind)
-        self.query_one("#search").display = self._kind == 0
-        self.query_one("#card").set_class(self._kind == 0, "-motors")
+        self.query_one("#search").display = bool(SEARCHES[self._kind])
+        for part in ("#split", "#card"):
+            self.query_one(part).set_class(self._kind == 0, "-motors")
         self.query_one(Table).set_class(KINDS[self._kind] == "Settings", "-settings")
-        heads, keys, cells, name = self._list()
-        table = self.query_one(Table)
-        table.on_enter, table.empty = ENTER[self._kind], EMPTY_LISTS[self._kind]
-        table.show(heads, keys, cells, name=name)
+        every, table = self._list(), self.query_one(Table)
+        listed = every.matching(self._texts[self._kind]) if self._kind else every
+        table.on_enter = ENTER[self._kind]
+        table.empty = NOT_FOUND if every.keys and not listed.keys else EMPTY_LISTS[self._kind]
+        table.show(listed.heads, listed.keys, listed.cells, name=listed.name)
         self.follow_keys()
         self._beside()
 
@@ -276,6 +291,9 @@ class SetupScreen(PageScreen):
     def action_kind(self, kind: int) -> None:
         """Show another list."""
         self._kind = kind
+        search = self.query_one(Input)
+        with self.prevent(Input.Changed):
+            search.value, search.placeholder = self._texts[kind], SEARCHES[kind]
         self.query_one(Table).by_hand = False
         self._show()
         self.set_focus(self.query_one(Table))
@@ -285,8 +303,7 @@ class SetupScreen(PageScreen):
         self.action_kind((self._kind + by) % len(KINDS))
 
     def action_find(self) -> None:
-        """Type a motor's name."""
-        self.action_kind(0)
+        """Type words to find in the open list."""
         self.set_focus(self.query_one(Input))
 
     @on(Table.Chosen)
@@ -325,9 +342,11 @@ class SetupScreen(PageScreen):
             self.complain(f"{name} cannot be changed here; ? explains how")
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Only kits are deleted here, and only kits, sites and motors are added."""
+        """Only kits are deleted here, only kits, sites and motors are added, and settings are too few to search."""
+        if action == "find":
+            return bool(SEARCHES[self._kind])
         if action == "delete_kit":
-            return KINDS[self._kind] == "Kits" and bool(self._kits)
+            return KINDS[self._kind] == "Kits" and self.row() is not None
         if action == "add_one":
             return KINDS[self._kind] in ("Kits", "Sites", "Motors")
         return super().check_action(action, parameters)

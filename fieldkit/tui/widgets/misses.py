@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from fieldkit.quantities import number
-from fieldkit.safe_text import printable
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.plots import Ink, round_ticks, spaced
+from fieldkit.tui.widgets.plots import Ink, label_flights, round_ticks
 
 MAX_DRAWN = 40
 """Number of latest misses that are drawn. [1]"""
@@ -25,9 +24,6 @@ def draw_misses(missed: Sequence[tuple[str, float]], here: str | None, system: s
     marked = [place for place, (id, _) in enumerate(missed) if id == here]
     if marked:
         plt.scatter(marked, [values[place] for place in marked], marker="◆", color=ink.mark)
-    labels = [(float(place), printable(missed[place][0])) for place in (*marked, 0, len(missed) - 1)]
-    below = spaced(labels, 0.0, len(missed) - 1.0, ink.width)
-    plt.xticks(list(below), list(below.values()))
-    plt.xlim(-0.5, len(missed) - 0.5)
+    label_flights(plt, ink, [id for id, _ in missed], marked[0] if marked else None)
     at = round_ticks(min(0.0, *values), max(0.0, *values), max(3, ink.height // 3))
     plt.yticks(at, [f"{value:+g}" if value else "0" for value in at])

@@ -43,6 +43,10 @@ class Ink:
     dim: Any
 
 
+PlotDrawing = Callable[[Any, Ink], Text | Content | None]
+"""A function that draws with plotext in some colors, or returns a drawing."""
+
+
 class Plot(PlotextPlot):
     """A plot that is redrawn when its size or its colors change, with the last function given to `show`."""
 
@@ -52,9 +56,9 @@ class Plot(PlotextPlot):
 
     def __init__(self, **rest: Any) -> None:
         super().__init__(**rest)
-        self._draw: Callable[[Any, Ink], Text | None] | None = None
+        self._draw: PlotDrawing | None = None
 
-    def show(self, draw: Callable[[Any, Ink], Text | None] | None) -> None:
+    def show(self, draw: PlotDrawing | None) -> None:
         """Set the drawing function, called with plotext and the colors, which draws with plotext or returns a drawing;
         None clears the plot."""
         self._draw = draw
@@ -84,9 +88,7 @@ class Plot(PlotextPlot):
         return Ink(*self.size, *(Color.parse(names[name]).rgb for name in inks))
 
 
-def draw_in(
-    parent: Widget, draw: Callable[[Any, Ink], Text | None] | None, title: str = "", name: str | None = None
-) -> None:
+def draw_in(parent: Widget, draw: PlotDrawing | None, title: str = "", name: str | None = None) -> None:
     """Draw in the plot of a widget, or in that with a name, which is added when there first is something to draw; None
     hides it."""
     plot = next((one for one in parent.query(Plot) if name in (None, one.id)), None)
@@ -152,6 +154,16 @@ def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: i
         if all(abs(place - other) * column >= least for other, least in zip(kept, room, strict=True)):
             kept[place] = text
     return kept
+
+
+def label_flights(plt: Any, ink: Ink, ids: Sequence[str], here: int | None = None) -> None:
+    """Label the flights of a plot, one at each whole number from 0, with as many of their ids as fit: first that of the
+    one `here`, then the last one and the first ones."""
+    last = len(ids) - 1
+    order = dict.fromkeys([*([] if here is None else [here]), last, *range(last)])
+    labels = spaced([(float(place), printable(ids[place])) for place in order], 0.0, float(last), ink.width)
+    plt.xticks(list(labels), list(labels.values()))
+    plt.xlim(-0.5, last + 0.5)
 
 
 def round_ticks(low: float, high: float, most: int) -> list[float]:
