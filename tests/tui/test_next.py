@@ -26,7 +26,7 @@ from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.imports.mapping_form import FIRST_FIELDS
-from fieldkit.tui.next.motor_list import MAX_FORECAST_MOTORS, MAX_KEPT_FORECASTS, MotorList
+from fieldkit.tui.next.motor_list import MAX_FORECAST_MOTORS, MAX_STORED_FORECASTS, MotorList
 from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.widgets.bars import KeyBar, shortened
@@ -747,7 +747,7 @@ def test_many_searches_keep_a_bounded_number_of_forecasts_and_all_of_the_last_on
         while waiting := motors.waiting(None):
             motors.put(plan, [Mock(motor=motor) for motor in waiting])
         assert all(motors.shown(motor) for motor in motors.found)
-    assert len(motors.known) == MAX_KEPT_FORECASTS
+    assert len(motors.known) == MAX_STORED_FORECASTS
     motors.put_exact(motors.found[0], Mock())
     before = motors.found
     for _ in range(2):

@@ -19,7 +19,7 @@ MAX_FORECAST_MOTORS = 200
 """Maximum number of motors to forecast in a search, besides the current and the preferred ones; a longer word narrows
 the search. [1]"""
 
-MAX_KEPT_FORECASTS = 250
+MAX_STORED_FORECASTS = 250
 """Maximum number of forecasts that are kept when the next search asks for others: all of a search, and those wanted
 without one. Each takes 0.08 MB, those of the whole catalog 80 MB. [1]"""
 
@@ -97,13 +97,13 @@ class MotorList:
         there are too many."""
         if plan is self.plan:
             self.known |= {one.motor: one for one in found}
-            if len(self.known) > MAX_KEPT_FORECASTS:
+            if len(self.known) > MAX_STORED_FORECASTS:
                 self._drop_oldest({one.motor for one in found}.union(self._wanted(None)))
 
     def _drop_oldest(self, wanted: Set[Motor]) -> None:
         """Drop the oldest forecasts of motors that are not wanted now, as many as there are too many."""
         others = [motor for motor in self.known if motor not in wanted]
-        for motor in others[: len(self.known) - MAX_KEPT_FORECASTS]:
+        for motor in others[: len(self.known) - MAX_STORED_FORECASTS]:
             del self.known[motor]
             self.exact.discard(motor)
 
