@@ -96,6 +96,7 @@ class PageScreen(AskingScreen):
     DEFAULT_CSS = """
     PageScreen { layout: vertical; background: $background; color: $foreground; }
     PageScreen > #body { height: 1fr; }
+    PageScreen.-wide .framed:focus, PageScreen.-wide .framed:focus-within { border: heavy $border !important; }
     """
 
     def __init__(self) -> None:

@@ -231,3 +231,17 @@ async def test_garbage_is_collected_again_once_the_app_has_started(
     async with opened(file) as pilot:
         while not gc.isenabled():
             await pilot.pause(0.01)
+
+
+@pytest.mark.parametrize("keys", [("1",), ("3",), ("4",), ("6", "right")])
+async def test_a_framed_region_has_a_heavy_frame_while_it_has_the_focus(keys: tuple[str, ...], file: Path) -> None:
+    """Heavy, not only in another color: a theme may have one."""
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, *keys, "_", "tab")
+        focused = pilot.app.screen.focused
+        assert focused is not None
+        assert focused.has_class("framed")
+        assert focused.styles.border_top[0] == "heavy"
+        assert "┏" in shown(pilot)
+        await press(pilot, "tab")
+        assert focused.styles.border_top[0] == "round"

@@ -222,7 +222,7 @@ def test_style_sheets_name_no_colors() -> None:
 
 ALLOWED = (
     r"\$[\w-]+|\d+%|none|transparent|auto|round|solid|heavy|tall|wide|blank|thick|dashed|inner|outer|vkey|hkey"
-    r"|left|center|right"
+    r"|left|center|right|!important"
 )
 """Words of a style sheet that are not colors."""
 

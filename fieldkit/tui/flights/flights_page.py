@@ -184,7 +184,7 @@ class FlightsScreen(PageScreen):
             with Vertical():
                 yield Table(empty="reading the ledger ...", id="table", enter=self.ON_ENTER[0])
                 yield FlightPlots()
-            yield FlightCard(id="beside")
+            yield FlightCard(id="beside", classes="framed")
 
     def on_mount(self) -> None:
         """Focus the table."""

@@ -141,7 +141,6 @@ class CaptureScreen(PageScreen):
     CaptureScreen.-wide #live { width: 1fr; }
     CaptureScreen.-wide #ports, CaptureScreen.-wide #live { border: round $border-blurred; }
     CaptureScreen #ports { border-title-color: $foreground; }
-    CaptureScreen.-wide #ports:focus { border: round $border; }
     """
 
     @dataclass
@@ -161,7 +160,12 @@ class CaptureScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The ports and the capture."""
-        yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter=self.ON_ENTER[0])
+        yield Table(
+            id="ports",
+            classes="framed",
+            empty="no serial port; plug in the logger, then press r",
+            enter=self.ON_ENTER[0],
+        )
         with Vertical(id="live"):
             with VerticalScroll(id="happened", can_focus=False):
                 yield Static("", id="events")

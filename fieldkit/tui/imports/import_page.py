@@ -191,7 +191,7 @@ class ImportScreen(PageScreen):
         yield Static("", id="where")
         with Horizontal(id="split"):
             yield Table(id="files", empty="empty", enter=self.ON_ENTER[0])
-            with VerticalScroll(id="look"):
+            with VerticalScroll(id="look", classes="framed"):
                 yield Static("", id="preview")
                 yield FilePanel()
 

@@ -134,7 +134,7 @@ class LoopScreen(PageScreen):
     LoopScreen.-wide .panel { display: none; border: round $border-blurred; border-title-color: $foreground; }
     LoopScreen.-wide .-first, LoopScreen.-wide .-under .-deep { display: block; }
     LoopScreen.-wide .-under .-first { display: none; }
-    LoopScreen.-wide .panel.-front { border: round $border; }
+    LoopScreen.-wide .panel.-front { border: heavy $border; }
     LoopScreen.-wide #p-Verdict { row-span: 2; }
     LoopScreen.-wide.-tall #each.-shown { display: block; }
     """

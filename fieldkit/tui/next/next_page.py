@@ -279,7 +279,7 @@ class NextScreen(PageScreen):
             yield Static("", id="count")
         with Horizontal(id="split"):
             yield Table(id="motors", enter=self.ON_ENTER[0])
-            yield ForecastCard(id="card")
+            yield ForecastCard(id="card", classes="framed")
 
     @property
     def card(self) -> ForecastCard:

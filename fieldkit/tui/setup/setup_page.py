@@ -160,7 +160,7 @@ class SetupScreen(PageScreen):
             yield Line(placeholder=SEARCHES[0], compact=True)
         with Container(id="split"):
             yield Table(empty="nothing yet", enter=self.ON_ENTER[0])
-            yield SetupCard(id="card")
+            yield SetupCard(id="card", classes="framed")
 
     def on_mount(self) -> None:
         """Focus the table."""
