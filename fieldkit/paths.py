@@ -97,8 +97,9 @@ def _data_path() -> Path:
 
 
 def data_file(name: DataFile) -> Path:
-    """A file or folder in the data folder, which is created if possible; the file may not exist."""
-    return data_folder() / name
+    """A file or folder of fieldkit's: the settings in the folder of settings, all else in the data folder, which is
+    created if possible; the file may not exist."""
+    return (_settings_path() if name == "settings.json" else data_folder()) / name
 
 
 def motor_folder() -> Path:
@@ -114,7 +115,7 @@ def hyperprior_file() -> Path:
 
 def settings_file() -> Path:
     """The file of the app's settings, which may not exist."""
-    return _settings_path() / "settings.json"
+    return data_file("settings.json")
 
 
 def _settings_path() -> Path:

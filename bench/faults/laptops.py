@@ -45,9 +45,14 @@ def mixed_work(
     began = time.monotonic()
     outcome = Outcome("PostgreSQL", "")
     _worked(outcome, (ours.url, ours.url), folder, laptops, commands, kills, kill, seed, every)
-    minutes = (time.monotonic() - began) / 60
-    outcome.case = f"{laptops} laptops for {minutes:.0f} min, {commands} commands each, the server killed {kills} times"
+    spent = duration(time.monotonic() - began)
+    outcome.case = f"{laptops} laptops for {spent}, {commands} commands each, the server killed {kills} times"
     return outcome
+
+
+def duration(seconds: float) -> str:
+    """A duration for people: in seconds below two minutes, in minutes above."""
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
 
 
 def failed_over(ours: Server, folder: Path, laptops: int, commands: int, seed: int) -> Outcome:

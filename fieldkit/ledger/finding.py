@@ -10,6 +10,7 @@ from sqlalchemy import ColumnElement, Connection, Select, func, select, tuple_
 
 from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights
+from fieldkit.ledger.records import Contents
 from fieldkit.ledger.rows import DamagedRow, Row, flight_of, known_names
 from fieldkit.ledger.tables import IS_EDITED, MAX_ROWS_BY_NAME, flights, tags
 from fieldkit.safe_text import whole_number
@@ -158,12 +159,24 @@ def first_day(connection: Connection) -> date | None:
     at, known = flights.c.date_time, (flights.c.date_time, flights.c.dry_mass, flights.c.apogee)
     wanted = [flights.c.motor != "", *(column.is_not(None) for column in known)]
     first = connection.scalar(select(at).where(*wanted).order_by(at).limit(1))
-    if first is None:
-        return None
+    return None if first is None else _day(first)
+
+
+def contents(connection: Connection) -> Contents:
+    """Numbers of flights, rockets and logs, and the days flown, as the database counts them. Raises DamagedRow."""
+    at = flights.c.date_time
+    columns = func.count(), func.count(flights.c.rocket.distinct()), func.min(at), func.max(at)
+    count_all, rockets, first, last = connection.execute(select(*columns).select_from(flights)).one()
+    with_log = connection.scalar(select(func.count()).where(flights.c.log != "")) or 0
+    return Contents(count_all, rockets, None if first is None else (_day(first), _day(last)), with_log)
+
+
+def _day(moment: str) -> date:
+    """The day of a stored moment. Raises DamagedRow."""
     try:
-        return datetime.fromisoformat(first).date()
+        return datetime.fromisoformat(moment).date()
     except (TypeError, ValueError) as error:
-        raise DamagedRow(f"found the date {first!r}, expected one such as 2026-05-01T10:30") from error
+        raise DamagedRow(f"found the date {moment!r}, expected one such as 2026-05-01T10:30") from error
 
 
 def elevations(connection: Connection) -> dict[str, float]:

@@ -21,7 +21,16 @@ from fieldkit.importing.incoming import IncomingFlight
 from fieldkit.ledger import book, drafts, finding, journal, logs, models, naming, opening, past, rockets, whereabouts
 from fieldkit.ledger.drafts import Content
 from fieldkit.ledger.journal import Change, ChangeRecorder, UndoStep
-from fieldkit.ledger.records import Added, FlightSummary, NewPrediction, Past, Renewal, StoredPrediction, Version
+from fieldkit.ledger.records import (
+    Added,
+    Contents,
+    FlightSummary,
+    NewPrediction,
+    Past,
+    Renewal,
+    StoredPrediction,
+    Version,
+)
 from fieldkit.ledger.rows import Row, flight_of, merged, summary_of
 from fieldkit.rocket import Configuration, Rocket
 
@@ -318,6 +327,11 @@ class Ledger:
         """Every rocket in the flights, that of the latest flight first; one without any date comes last."""
         with self._reading() as connection:
             return finding.rockets_flown(connection)
+
+    def contents(self) -> Contents:
+        """Numbers of flights, rockets and logs, and the days flown, without reading a flight."""
+        with self._reading() as connection:
+            return finding.contents(connection)
 
     def first_day(self) -> date | None:
         """The day of the earliest flight with a motor, a mass and an apogee; None without a dated one."""

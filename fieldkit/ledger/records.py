@@ -23,6 +23,17 @@ class FlightSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class Contents:
+    """What is in a ledger: numbers of flights, of their rockets and of flights with a log, and the first and last day
+    flown, None without a dated flight."""
+
+    flights: int
+    rockets: int
+    days: tuple[date, date] | None
+    with_log: int
+
+
+@dataclass(frozen=True, slots=True)
 class Conflict:
     """A flight that was not added, and the reason, in one line."""
 

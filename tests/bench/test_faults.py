@@ -232,6 +232,10 @@ def url(server: servers.Server) -> str:
     return server.url
 
 
+def test_durations_are_in_seconds_below_two_minutes() -> None:
+    assert [laptops.duration(seconds) for seconds in (7.6, 100, 360)] == ["8 s", "100 s", "6 min"]
+
+
 @pytest.mark.thorough
 @pytest.mark.postgres
 def test_laptops_on_a_server_that_dies_lose_nothing_that_was_acknowledged(

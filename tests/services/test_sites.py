@@ -3,12 +3,17 @@ all."""
 
 from datetime import datetime
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.ledger.records import Contents
 from fieldkit.services.sites import sites
+from fieldkit.tui.resources import Resources
+from fieldkit.tui.setup.setting_card import of_setting
 
 pytestmark = pytest.mark.fast
 FLOWN = [
@@ -31,6 +36,23 @@ def test_a_site_has_the_elevation_of_its_latest_flight(tmp_path: Path, monkeypat
         latest = {one.site: one.site_elevation for one in flights if one.site_elevation is not None}
         assert ledger.elevations() == latest
         assert ledger.rockets_flown() == ["Wren", "Lark", "Kite"]
+
+
+def test_a_ledger_counts_its_flights_without_reading_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    days = [datetime(2026, 5, day, 23) for day in (3, 2, 1)]
+    flown = [
+        Flight("1", "Lark", date_time=days[0], log="a.csv"),
+        Flight("2", "Lark", date_time=days[2]),
+        Flight("1", "Wren", date_time=days[1]),
+        Flight("2", "Wren", log="b.csv"),
+    ]
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert ledger.contents() == Contents(0, 0, None, 0)
+        ledger.add(flown)
+        monkeypatch.setattr(Ledger, "flights", None)
+        assert ledger.contents() == Contents(4, 2, (days[2].date(), days[0].date()), 2)
+        card = of_setting("ledger", cast(Resources, SimpleNamespace(ledger=ledger, settings=None, where="")), ())
+    assert "4 of 2 rockets" in str(card.blocks)
 
 
 def test_the_first_day_is_that_of_a_flight_with_an_apogee(tmp_path: Path) -> None:

@@ -61,6 +61,8 @@ FILES: Mapping[DataFile, str] = {
     "motors": "your .eng and .rse files and corrections of motors",
     "mappings.json": "columns of tables that you named when importing",
     "captures": "what Capture has recorded",
+    "measured": "what was read from logs; made again if missing",
+    "drafts": "which drafts of flights are open in an app",
     "limits.toml": "your thresholds of the safety checks",
     "rules": "your rule sets beside the shipped ones",
     "seasons": "your contest seasons beside the shipped ones",
@@ -68,7 +70,7 @@ FILES: Mapping[DataFile, str] = {
     "hyperprior.json": "how rockets differ, learned from yours",
     "crashes": "reports of errors",
 }
-"""Files and folders of the flyer in the data folder, and what is in them."""
+"""Every file and folder that fieldkit keeps, and what is in it."""
 
 
 def of_setting(name: str, resources: Resources, box: tuple[BoxedMotors, ...]) -> Facts:
@@ -168,11 +170,10 @@ def _rail(resources: Resources) -> list[tuple[str, str]]:
 def _ledger(resources: Resources) -> Iterator[tuple[str, str]]:
     """What is in the ledger, how large it is, and its backups."""
     ledger = resources.ledger
-    flights = ledger.flights()
-    days = [one.date_time.date() for one in flights if one.date_time is not None]
-    yield "flights", f"{len(flights)} of {counted(len({one.rocket for one in flights}), 'rocket')}"
-    yield "flown", f"{min(days)} to {max(days)}" if days else ""
-    yield "with a log", str(sum(bool(one.log) for one in flights))
+    found = ledger.contents()
+    yield "flights", f"{found.flights} of {counted(found.rockets, 'rocket')}"
+    yield "flown", f"{found.days[0]} to {found.days[1]}" if found.days else ""
+    yield "with a log", str(found.with_log)
     yield "changes", f"{ledger.length()} in its journal; u takes back the last"
     try:
         file, kept = copies(resources.where)
