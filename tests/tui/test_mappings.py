@@ -11,6 +11,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
 from fieldkit.ledger import Ledger
+from fieldkit.tui.widgets.table import Table
 from tests.importing.test_rejections_name_the_file import BROKEN, SAVED
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 
@@ -205,3 +206,22 @@ def text_parts(pilot: Pilot[None]) -> list[str]:
     content = pilot.app.screen.query_one("#table", Static).content
     assert isinstance(content, Content)
     return [content.plain[span.start : span.end] for span in content.spans if span.style == "$text-muted"]
+
+
+async def test_a_folder_shows_what_is_in_it_and_an_unreadable_file_how_it_begins(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    day = tmp_path / "launch day"
+    day.mkdir()
+    (day / "first.csv").write_text("no,altimeter\nknows,this\n")
+    (day / "blob.bin").write_bytes(b"a\0b" * 50)
+    monkeypatch.chdir(tmp_path)
+    async with opened(file, (160, 50), page="import_files") as pilot:
+        pilot.app.screen.query_one("#files", Table).move_to(day)
+        await press(pilot, "_")
+        assert "In launch day blob.bin 150 B first.csv 24 B" in text_of(pilot, "#more")
+        assert "Files that can be read" in text_of(pilot, "#more")
+        await press(pilot, "enter", "_", "end", "_")
+        assert "It begins no,altimeter knows,this" in text_of(pilot, "#more")
+        await press(pilot, "up", "_")
+        assert "It begins" not in text_of(pilot, "#more"), "not text"

@@ -29,6 +29,8 @@ from fieldkit.tui.widgets.hanging import Hanging
 
 MAX_LISTED, MAX_NOTES = 200, 6
 """Flights or rejected rows, and notes, that are listed. [1]"""
+MAX_FIRST_LINES, MAX_LINE = 40, 120
+"""First lines of a text file that are shown, and the characters of each. [1]"""
 NAME_WIDTH = 44
 """Cells for the names of flights, before their apogees."""
 PARENT_FOLDER = Path("..")
@@ -49,6 +51,8 @@ class Look:
     words: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
     """The flights in it that can be imported, including duplicates."""
+    beginning: tuple[str, ...] = ()
+    """The first lines of a file that cannot be read, if it is text."""
     owner: str = ""
     """If the only flight of a file names no rocket: the rocket under which the ledger has that flight; else empty."""
 
@@ -95,13 +99,34 @@ def look_at(resources: Resources, path: Path, reading: ReadOptions) -> Look:
             return Look(path, "a design", None, start=start, words=words)
         receipt, flights = _bring_in(resources, path, reading, dry_run=True)
     except FieldkitError as error:
-        return _weather(path) or Look(path, "", None, by_keys(str(error)))
+        return _weather(path) or Look(path, "", None, by_keys(str(error)), beginning=beginning(path))
     if not flights and (saved := _weather(path)):
         return saved
     if (count := len(reading.together(path))) > 1:
         return Look(path, f"{count} files together", receipt, flights=flights)
     formats = dict.fromkeys(f"{one.title} ({one.format})" for one in receipt.files)
     return Look(path, ", ".join(formats), receipt, flights=flights, owner=_owner(resources, flights))
+
+
+def beginning(path: Path) -> tuple[str, ...]:
+    """The first lines of a text file; empty for another, or if it cannot be opened."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(MAX_FIRST_LINES * MAX_LINE)
+    except OSError:
+        return ()
+    lines = head.decode("utf-8", "replace").splitlines()[:MAX_FIRST_LINES] if b"\0" not in head else []
+    return tuple(line[:MAX_LINE] for line in lines)
+
+
+def inside(folder: Path) -> Hanging:
+    """The folders and files in a folder, with their sizes; nothing for one that cannot be read."""
+    with suppress(FieldkitError):
+        rows = [name_and_size(path) for path in listed(folder)[1:]]
+        more = [("", f"and {len(rows) - MAX_LISTED} more")] if len(rows) > MAX_LISTED else []
+        named = [(name, size or "folder") for name, size in rows[:MAX_LISTED]]
+        return cards.lines(f"In {folder.name or folder}", [*named, *more]) if rows else Hanging()
+    return Hanging()
 
 
 def _weather(path: Path) -> Look | None:
@@ -193,7 +218,10 @@ def _unnamed(look: Look, note: str) -> str:
 
 
 def what_it_holds(look: Look, system: str) -> Hanging:
-    """The flights of a file: all data of a single one, one line for each of several."""
+    """The flights of a file: all data of a single one, one line for each of several; the first lines of a file that
+    cannot be read."""
+    if look.beginning:
+        return cards.lines("It begins", [("", line or " ") for line in look.beginning])
     if len(look.flights) == 1:
         flight = look.flights[0]
         figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]

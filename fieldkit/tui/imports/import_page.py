@@ -42,6 +42,7 @@ from fieldkit.tui.imports.import_look import (
     check_format_name,
     check_path,
     folder_text,
+    inside,
     left_out,
     listed,
     look_at,
@@ -240,9 +241,15 @@ class ImportScreen(PageScreen):
         self.query_one(FilePanel).show(None, "")
         if is_folder:
             self.query_one("#preview", Static).update("Enter to open the folder")
+            if path is not None:
+                folder = self._folder.parent if path == PARENT_FOLDER else path
+                self.ask(partial(inside, folder), self._have_inside, "look")
             return
         self.query_one("#preview", Static).update("reading ...")
         self.ask(partial(look_at, self.resources, path, self._reading), self._examined, "look")
+
+    def _have_inside(self, content: Hanging) -> None:
+        self.query_one("#more", Static).update(stacked(part for part in (readable(), content) if part.lines))
 
     def _examined(self, look: Look) -> None:
         self._look = look
