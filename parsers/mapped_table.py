@@ -311,4 +311,4 @@ def _is_total(felt: Float[Array, "row"], total: Float[Array, "row"]) -> bool:
     return bool(there.any()) and float(np.quantile(np.abs(felt - total)[there], 0.9)) < 0.05 * STANDARD_GRAVITY
 
 
-PARSER = Parser("Any table of samples, by its columns", recognises, read, fallback=True, mapped=read_mapped)
+PARSER = Parser("any table of samples, by its columns", recognises, read, fallback=True, mapped=read_mapped)

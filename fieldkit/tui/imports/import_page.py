@@ -131,7 +131,9 @@ def _with(columns: TableColumns, earlier: Sequence[str]) -> TableColumns:
 
 def readable() -> Hanging:
     """The kinds of files that the page reads, shown beside a folder."""
-    logs = ", ".join(sorted((one.title for one in parsers().values() if not one.simulates), key=str.lower))
+    loggers = [one for one in parsers().values() if not one.simulates]
+    loggers.sort(key=lambda one: (one.fallback, one.title.lower()))
+    logs = ", ".join(one.title for one in loggers)
     simulated = ", ".join(one.title.removesuffix(" simulation (CSV)") for one in parsers().values() if one.simulates)
     kinds = (
         ("logs", logs),
