@@ -57,7 +57,7 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Parsed]:
     log, found = _plain(log), list[Parsed]()
     for start, digits in islice(_transmissions(log), MOST_FLIGHTS + 1):
-        found += _flight(digits, log.count(b"\n", 0, start) + 1)
+        found += _flight(digits, log.count(b"\n", 0, start) + 1, _before_gap(log[start + 2 : start + MAX_LOG_SIZE]))
     if not any(isinstance(item, Reading | Note) for item in found):
         raise found[0] if found else DamagedLog("found no flight, expected MP and hex digits", row=1)  # type: ignore[misc]
     return found
@@ -77,14 +77,25 @@ def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
             yield match.start(), digits[0]
 
 
+def _before_gap(text: bytes) -> int:
+    """The number of digits before the end of the first line of a transmission that is shorter than the others, except
+    the last one: from there on the bytes are not where they seem to be."""
+    lengths = np.array([len(line.translate(None, SEPARATOR_BYTES)) for line in re.split(rb"[\r\n]+", text)])
+    lengths = lengths[lengths > 0]
+    short = np.flatnonzero(lengths[:-1] < 2 * LINE)
+    if not short.size or (lengths[: short[0]] != 2 * LINE).any() or lengths[short[0] + 1] != 2 * LINE:
+        return MAX_LOG_SIZE
+    return int(lengths[: short[0] + 1].sum())
+
+
 def _is_header(data: bytes) -> bool:
     """Whether bytes are the start of a flight or of erased memory."""
     ground, _, count = struct.unpack("<IIH", data)
     return (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and count >> 12 < len(MODELS)) or data == b"\xff" * 10
 
 
-def _flight(digits: bytes, row: int) -> list[Parsed]:
-    """The flight in one transmission, or its error."""
+def _flight(digits: bytes, row: int, sound: int) -> list[Parsed]:
+    """The flight in one transmission, or its error. Without a checksum only its `sound` first digits are used."""
     data = bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
     if data[:10] == b"\xff" * len(data[:10]):
         return [Note("holds no flight, its memory is erased", row)]
@@ -103,6 +114,8 @@ def _flight(digits: bytes, row: int) -> list[Parsed]:
     if len(data) >= end + 2 and not _is_whole(data, end):
         expected, got = crc_x25(data[:end]), int.from_bytes(data[end : end + 2], "big")
         return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it again", row=row)]
+    if len(data) < end + 2:
+        data = data[: sound // 2]
     samples = np.frombuffer(data[begin : min(end, begin + (len(data) - begin) // 2 * 2)], "<u2").astype(float)
     if not (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and 0 < least <= ground + 1000):
         return [

@@ -143,11 +143,14 @@ class Agreement:
     @property
     def blur(self) -> float:
         """Time over which the filter of a channel spreads a change of thrust: its delay or its rise at lift-off, and
-        the shorter of them if both may be errors of an accelerometer's times or a slow thrust. [s]"""
+        the shorter of them if both may be errors of an accelerometer's times or a slow thrust. A delay is known to half
+        a step of those that are tried. [s]"""
         if self.derived:
             return max(self.late - self.step / 2, self.onset - self.step, 0.0)
         delays = self.late, self.onset - self.step / _ONE_STEP
-        return max(delays) if min(delays) > _LEAST_BLUR + self.step / 4 else max(min(delays), 0.0)
+        if min(delays) > _LEAST_BLUR + self.step / 4:
+            return max(delays)
+        return max(min(max(self.late, _STEP / 2), delays[1]), 0.0)
 
     @property
     def why(self) -> str:

@@ -188,7 +188,11 @@ def _lost_in_boost(log: FittedLog, lift: Event | None, gap: tuple[float, float])
 
 
 def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
-    """Lift-off, if it is trusted, and the results from the boost."""
+    """Lift-off, if it is trusted, and the results from the boost.
+
+    Derivation: behind a first-order filter, an acceleration a that becomes a deceleration d at once is zero ln(1 + a/d)
+    time constants later.
+    """
     whole = speed_by_climb(lift, log.track, log.seen) if lift is not None and _shows_ports(log, lift) else None
     found = boost_event(log.ascent, log.push, begin, end, log.source, whole)
     lost = _lost(log.track, begin, found[0].time) if found else None
@@ -212,8 +216,10 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
         lead = hidden_lead(speed.value, burnout.time - lift.time, log.track.noise, lift.sd)
         lift = replace(lift, sd=max(lift.sd, lead))
     if felt:
-        speed = replace(speed, sd=float(np.hypot(speed.sd, felt.blur * _slowing(log.ascent, burnout.time))))
-        burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur)))
+        slows = _slowing(log.ascent, burnout.time)
+        late = felt.blur * float(np.log1p(max(speed.value / max(burnout.time - begin, 0.1), 0.0) / slows))
+        speed = replace(speed, sd=float(np.hypot(speed.sd, felt.blur * slows)))
+        burnout = replace(burnout, sd=float(np.hypot(burnout.sd, late)))
     if felt is not None and not log.compared:
         speed = _doubted(speed, felt, lift.time, burnout.time)
     if felt is not None and felt.full is not None and not log.slanted:

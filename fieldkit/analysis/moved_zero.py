@@ -23,6 +23,9 @@ _START_UP, _MANY_STEPS, _REST_TIME = 20.0, 10, 1.0
 few digits [1], and how long the log has to rest after it [s]."""
 _CURVE = 8
 """Number of samples before and after a step through which a curve shows its size. [1]"""
+_LOW_PART, _CLEAR_STEP, _CLEAR_NOISES = 0.15, 10.0, 8.0
+"""Part of the climb below which a logger notices a flight [1], and the smallest step that shows there without such a
+speed, in meters and in the noise of the heights around it: above it the gas of a charge makes such steps."""
 _LEVELS, _TERRAIN, _EXPLAINED = 0.1, 20.0, 0.5
 """Largest difference of a step and of the levels at rest: as a fraction of the step [1] and of the terrain [m] in sum,
 and as a fraction of the step alone, because a step by a shock or a charge leaves the levels as they were [1]."""
@@ -39,14 +42,23 @@ def on_one_zero(time: Float[Array, "row"], height: Float[Array, "row"]) -> Float
     begin, end = high[:_SAMPLES], high[-_SAMPLES:]
     moved = float(np.median(end) - np.median(begin))
     rests = max(np.ptp(begin), np.ptp(end)) < _AT_REST
-    most = min(_LEVELS * abs(step) + _TERRAIN, _EXPLAINED * abs(step))
-    if not rests or abs(step) < _STEP_SPEED * lasts or abs(step - moved) > most:
+    shown, noise = _step_beside_a_curve(when, high, last)
+    low = abs(float(high[last]) - float(np.median(begin))) < _LOW_PART * float(np.ptp(high))
+    clear = low and abs(shown) > max(_CLEAR_STEP, _CLEAR_NOISES * noise)
+    size = abs(shown if clear else step)
+    most = min(_LEVELS * size + _TERRAIN, _EXPLAINED * size)
+    unexplained = abs((shown if clear else step) - moved) > most
+    if not rests or unexplained or (abs(step) < _STEP_SPEED * lasts and not clear):
         return height
+    return np.where(np.arange(height.size) <= known[last], height + shown, height)
+
+
+def _step_beside_a_curve(time: Float[Array, "row"], height: Float[Array, "row"], last: int) -> tuple[float, float]:
+    """The step of heights after a row beside one curve through those around it, and their noise. [s], [m]"""
     around = np.r_[last - _CURVE + 1 : last + 1 + _CURVE]
-    since = when[around] - when[last]
-    curve = np.column_stack([np.vander(since, 4), np.arange(around.size) >= _CURVE])  # one curve, and a step in it
-    step = float(np.linalg.lstsq(curve, high[around], rcond=None)[0][-1])
-    return np.where(np.arange(height.size) <= known[last], height + step, height)
+    curve = np.column_stack([np.vander(time[around] - time[last], 4), np.arange(around.size) >= _CURVE])
+    shape, *_ = np.linalg.lstsq(curve, height[around], rcond=None)
+    return float(shape[-1]), float(np.std(height[around] - curve @ shape))
 
 
 def without_start_up(time: Float[Array, "row"], height: Float[Array, "row"], resolution: float) -> Float[Array, "row"]:

@@ -735,6 +735,18 @@ def test_a_step_that_leaves_the_levels_at_rest_as_they_were_sets_no_zero() -> No
     assert on_one_zero(time, zeroed)[0] == pytest.approx(0.0, abs=1.0)
 
 
+@pytest.mark.parametrize("offset", [-38.0, -20.0, 25.0])
+def test_a_zero_that_is_set_at_lift_off_is_found_by_the_levels_at_rest(offset: float) -> None:
+    """A step that is no faster than a rocket, but beside the curve through the heights around it."""
+    truth = flown(SMALL)
+    (series,) = recording(truth)
+    assert series.altitude is not None
+    moved = np.where(series.time > 0.3, series.altitude, series.altitude - offset)
+    recorded = measure((replace(series, altitude=moved),))
+    assert recorded.figures["apogee"].value == pytest.approx(truth.readouts()["apogee"], abs=1.5)
+    assert not misses(recorded, truth, "time_to_apogee", "burn_time")
+
+
 @pytest.mark.parametrize("name", ["altitude_msl", "gps_altitude_msl"])
 @pytest.mark.parametrize("count", [1, 5, 30])
 @pytest.mark.parametrize("value", [0.0, 44_000.0])

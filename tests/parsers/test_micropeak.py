@@ -66,5 +66,21 @@ def test_a_line_that_a_terminal_saved_twice_is_read_once(complete: bool) -> None
     assert any(isinstance(note, Note) and note.text == "has 1 line twice, read once" for note in notes)
 
 
+def test_a_log_without_a_checksum_ends_where_a_line_lost_its_end() -> None:
+    """What follows is displaced: its bytes look like other pressures."""
+    samples = [*[100_000 % 65536] * 21, *(int(99_990 - 9 * step) % 65536 for step in range(100))]
+    payload = struct.pack("<IIH", 100_000, 99_000, 200) + struct.pack(f"<{len(samples)}H", *samples)
+    lines = [payload[begin : begin + 16].hex() for begin in range(0, len(payload), 16)]
+    lines[9] = lines[9][:11]
+    (reading, *notes) = parsers()["micropeak"].read("\r\n".join(["MP", *lines]).encode())
+    assert isinstance(reading, Reading)
+    pressure = reading.clocks[0].pressure
+    assert pressure is not None
+    assert pressure == pytest.approx([*[100_000] * 21, *(99_990 - 9 * step for step in range(pressure.size - 21))])
+    assert [note.text for note in notes if isinstance(note, Note)] == [
+        "is cut off: 69 of 200 samples, without a checksum"
+    ]
+
+
 def test_erased_memory_is_neither_a_flight_nor_an_error() -> None:
     assert [type(item) for item in parsers()["micropeak"].read(b"MP" + b"f" * 64)] == [Note]

@@ -1,7 +1,7 @@
 """The table of a log as it was read: SI arrays by channel, and the flights into which its clock splits it."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 
@@ -13,8 +13,10 @@ from fieldkit.importing.reading import MOST_FLIGHTS, Note, Parsed
 from fieldkit.importing.tables.clocks import credible, restarts
 from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.quantities import counted
-from fieldkit.shapes import Array, Flags, Float, Int, Integers
+from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 
+_LEAST_DOUBLED = 3
+"""Fewest rows that are a block written twice. [1]"""
 _UNIQUE, _LONGEST_STEP, _MIXED_STEPS = 0.99, 5.0, 0.2
 """Rows that were shuffled have this fraction of unique times, and no longer gap between them, in long steps of the log;
 if each was shuffled by itself, at least this fraction of steps runs backward. [1]"""
@@ -76,6 +78,9 @@ class LogTable:
         parts: dict[bytes, LogTable] = {}
         repeated: list[int] = []
         restarted = restarts(self._clock(clock)).tolist()
+        if 0 < len(restarted) < MOST_FLIGHTS and (doubled := _doubled(self, restarted)).any():
+            found.append(Note(f"repeats {counted(int(doubled.sum()), 'row')}, read once", int(self.rows[doubled][0])))
+            return replace(self.pick(~doubled), found=tuple(found)).flights(clock)
         if restarted and (order := _shuffled(self.values[clock])) is not None:
             found.append(Note("has rows out of order, sorted by its clock", int(self.rows[restarted[0]])))
             whole, restarted = self.pick(order), []
@@ -116,6 +121,19 @@ def _shuffled(clock: Float[Array, "row"]) -> Int[Integers, "row"] | None:
     pieces = np.split(clock, np.flatnonzero((jumps < 0) | (jumps > longest)) + 1)
     ends = sorted((float(piece[0]), float(piece[-1])) for piece in pieces)
     return order if all(before[1] <= after[0] for before, after in pairwise(ends)) else None
+
+
+def _doubled(table: LogTable, restarted: Sequence[int]) -> Bool[Flags, "row"]:
+    """Rows with which a clock restarts that equal earlier ones, before it runs on: a block that was written twice."""
+    cells = np.ascontiguousarray(np.column_stack(list(table.values.values())))
+    _, first = np.unique(cells.view(np.dtype((np.void, cells.itemsize * cells.shape[1]))).ravel(), return_index=True)
+    known = np.ones(len(table), bool)
+    known[first] = False
+    doubled = np.zeros(len(table), bool)
+    for start, stop in pairwise([*restarted, len(table)]):
+        again = int(np.argmin(known[start:stop]))  # 0 if all of them are known: that is a flight written twice
+        doubled[start : start + again] = again >= _LEAST_DOUBLED
+    return doubled
 
 
 def _digest(table: LogTable) -> bytes:

@@ -175,6 +175,13 @@ def test_a_clock_that_restarts_begins_another_flight() -> None:
     assert found == [Note("repeats an earlier flight of this file, imported once", 17)]
 
 
+def test_a_block_that_was_written_twice_begins_no_flight() -> None:
+    rows = [b"%d,%d\n" % (t, t * t) for t in range(30)]
+    parts, found = read_columns(b"".join(rows[:20] + rows[12:]), CHANNELS, after=0).flights()
+    assert [part.values["time"].tolist() for part in parts] == [list(range(30))]
+    assert found == [Note("repeats 8 rows, read once", 21)]
+
+
 @pytest.mark.parametrize("pieces", [2, 10, 400])
 def test_a_recording_written_in_mixed_pieces_is_put_in_order(pieces: int) -> None:
     """A ring buffer that wrapped, blocks of a flash memory, and rows each by itself."""
