@@ -13,6 +13,7 @@ What lasts is not a one-off. The alternative is a change of the rocket where the
 with the evidence of two rockets that share nothing but their prior; the later flights then are the usual ones.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from math import log, pi
@@ -23,10 +24,10 @@ from fieldkit.inference.batched_inverse import inverses
 from fieldkit.inference.evidence import distinct_columns
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
-from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve
+from fieldkit.inference.laplace.posterior import Fit, flight_evidence, residual_variance, solve
 from fieldkit.model.causes import NAMES, USUAL_PROBABILITY, Signatures, signatures
 from fieldkit.model.readout_data import IS_LOGARITHMIC, Data
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 TAIL_DRAWS = 32
 """Draws of the precisions of a flight's residuals, which make their normal distributions Student t. [1]"""
@@ -71,14 +72,26 @@ class OneOffs:
 
 
 @dataclass(frozen=True, slots=True)
-class _LeftOut:
-    """Predictions of every flight from the others for every pair of scales: the error of the prediction, its covariance
-    without the flight's own scatter, and the log weight of the scales."""
+class _Given:
+    """Residuals of every flight, and the covariance of its predicted readouts, given all flights, for every pair of
+    scales: `sharper` is 1 / (N - G) as in `_left_out`, 0 for flights that the fit does not use."""
 
-    error: Float[Array, "scale flight used"]
+    readouts: Int[Integers, "used"]
+    residual: Float[Array, "scale flight used"]
     known: Float[Array, "scale flight used used"]
+    sharper: Float[Array, "scale flight used used"]
     log_weight: Float[Array, "scale flight"]
-    evidence: FlightEvidence
+
+
+@dataclass(frozen=True, slots=True)
+class _LeftOut:
+    """Predictions of flights with the same readouts from the others, for the likeliest pairs of scales of each: the
+    error of the prediction, its covariance without the flight's own scatter, and the log weight of the scales."""
+
+    scales: Int[Integers, "flight scale"]
+    error: Float[Array, "flight scale own"]
+    known: Float[Array, "flight scale own own"]
+    log_weight: Float[Array, "flight scale"]
 
 
 def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None) -> OneOffs:
@@ -90,7 +103,7 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
     data = data or fit.data
     if known is None:
         known = signatures(fit.model, fit.tangent.at, fit.tangent.values, data.seen)
-    left_out = _left_out(fit, data)
+    every = _left_out(fit, data)
     usable = data.seen & np.isfinite(fit.tangent.values)
     shape = usable.shape
     miss, sd = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -98,24 +111,21 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
     cause, strength = np.zeros((len(usable), len(NAMES))), np.zeros((len(usable), len(NAMES)))
     scatter = fit.model.scatter_scales() ** 2
     variance, error_ratio = residual_variance(fit.model, data), _as_expected(data, fit.tangent.values)
-    for row in np.flatnonzero(usable.any(axis=1)).tolist():
-        own = np.flatnonzero(usable[row])
-        place = np.searchsorted(left_out.evidence.readouts, own)
-        log_weight = left_out.log_weight[:, row]
-        scales = np.argsort(-log_weight)[:MAX_SCALES]
-        log_scale = log_weight[scales] - np.logaddexp.reduce(log_weight[scales])
-        error = left_out.error[scales, row][:, place]
-        spread = fit.tangent.scatter_slope[row, own]
-        known_part = left_out.known[scales, row][:, place[:, None], place]
-        joint = np.einsum("sk,ok,pk->sop", scatter[scales], spread, spread)
-        reading = variance[scales, row][:, own]
-        likely = _Flight(error, known_part, joint, reading, log_scale, fit.model.hyperprior.tail)
-        weight = np.exp(log_scale)
-        miss[row, own] = weight @ error
-        between = weight @ (error - miss[row, own]) ** 2
-        around = np.diagonal(known_part + joint, axis1=1, axis2=2) + reading * error_ratio[row, own] ** 2
-        sd[row, own] = np.sqrt(weight @ around + between)
-        normal[row], cause[row], strength[row], log_causes[row] = _probabilities(likely, known, row, own)
+    for rows, own in _by_readouts(usable):
+        left_out = _left_out_at(every, rows, own)
+        weight = np.exp(left_out.log_weight)[..., None]
+        spread = fit.tangent.scatter_slope[rows[:, None], own]
+        joint = np.einsum("fsk,fok,fpk->fsop", scatter[left_out.scales], spread, spread)
+        reading = variance[left_out.scales, rows[:, None]][..., own]
+        likely = _Likelihood.of(left_out, joint, reading, fit.model.hyperprior.tail)
+        mean = (weight * left_out.error).sum(axis=1)
+        between = (left_out.error - mean[:, None]) ** 2
+        around = np.diagonal(left_out.known + joint, axis1=2, axis2=3)
+        around = around + reading * error_ratio[rows[:, None], own][:, None] ** 2
+        miss[rows[:, None], own] = mean
+        sd[rows[:, None], own] = np.sqrt((weight * (around + between)).sum(axis=1))
+        for row, flight in zip(rows.tolist(), likely, strict=True):
+            normal[row], cause[row], strength[row], log_causes[row] = _probabilities(flight, known, row, own)
     weight = np.maximum(normal, LEAST_WEIGHT)
     found = OneOffs(miss, sd, normal, cause, strength, weight, log_causes, _log_mixture(weight, log_causes))
     return _with_change(fit, found)
@@ -200,8 +210,16 @@ def _log_evidence_of_two(fit: Fit, *parts: Integers) -> float:
     return total
 
 
-def _left_out(fit: Fit, data: Data) -> _LeftOut:
-    """Predictions of every flight from all the others; those that the fit does not use are predicted from all.
+def _by_readouts(usable: Flags) -> Iterator[tuple[Int[Integers, "flight"], Int[Integers, "own"]]]:
+    """The flights that have the same readouts, and these; without flights that have none."""
+    patterns, which = np.unique(usable, axis=0, return_inverse=True)
+    for place, pattern in enumerate(patterns):
+        if pattern.any():
+            yield np.flatnonzero(which.ravel() == place), np.flatnonzero(pattern)
+
+
+def _left_out(fit: Fit, data: Data) -> _Given:
+    """What predicts every flight from all the others; those that the fit does not use are predicted from all.
 
     With a flight's noise N in the fit and the covariance G of its predicted readouts given all flights, M = 1 / (N - G)
     and the residual r give the error r + G M r of the prediction without it and the covariance G + G M G.
@@ -215,28 +233,64 @@ def _left_out(fit: Fit, data: Data) -> _LeftOut:
     noise, log_sharpness = inverses(evidence.sharpness)
     used = np.asarray(fit.data.seen.any(axis=1))
     sharper, log_det = inverses(noise - np.where(used[:, None, None], known, 0.0))
-    taken = known @ sharper
-    weighed = (taken @ residual[..., None])[..., 0]
-    error = residual + np.where(used[:, None], weighed, 0.0)
-    without = known + np.where(used[:, None, None], taken @ known, 0.0)
     distance = (residual * (sharper @ residual[..., None])[..., 0]).sum(axis=-1)
     own = -0.5 * (distance - log_sharpness - log_det + evidence.log_det)
     log_weight = fit.log_weight[:, None] - np.where(used, own, 0.0)
-    return _LeftOut(error, without, log_weight, evidence)
+    sharper = np.where(used[:, None, None], sharper, 0.0)
+    return _Given(evidence.readouts, residual, known, sharper, log_weight)
+
+
+def _left_out_at(every: _Given, rows: Int[Integers, "flight"], own: Int[Integers, "own"]) -> _LeftOut:
+    """The predictions of flights with the same readouts from all the others, at the likeliest scales of each."""
+    log_weight = every.log_weight[:, rows].T
+    scales = np.argsort(-log_weight, axis=1)[:, :MAX_SCALES]
+    log_weight = np.take_along_axis(log_weight, scales, axis=1)
+    log_weight = log_weight - np.logaddexp.reduce(log_weight, axis=1, keepdims=True)
+    residual, known, sharper = (part[scales, rows[:, None]] for part in (every.residual, every.known, every.sharper))
+    taken = known @ sharper
+    error = residual + (taken @ residual[..., None])[..., 0]
+    without = known + taken @ known
+    place = np.searchsorted(every.readouts, own)
+    return _LeftOut(scales, error[..., place], without[..., place[:, None], place], log_weight)
 
 
 @dataclass(frozen=True, slots=True)
-class _Flight:
-    """One flight's readouts for some pairs of scales: the error of their prediction, its covariance, that of the
-    flight's scatter, the variances of the residuals, and the log weight of the scales. Scatter and residuals are
-    Student t: a flight may be as far off as any outlier."""
+class _Likelihood:
+    """The likelihood of one flight's readouts as a mixture of normal distributions, one for each pair of scales and
+    each draw of the precisions of scatter and residuals: both are Student t, and a flight may be as far off as any
+    outlier.
 
-    error: Float[Array, "scale own"]
-    known: Float[Array, "scale own own"]
-    scatter: Float[Array, "scale own own"]
-    reading: Float[Array, "scale own"]
-    log_weight: Float[Array, "scale"]
-    tail: float
+    `coefficients` are the inverse covariance, each pair of readouts once, and its product with the error of the
+    prediction; `constant` is the log density of the error times the weight. [nat]
+    """
+
+    coefficients: Float[Array, "normal coefficient"]
+    constant: Float[Array, "normal"]
+
+    @classmethod
+    def of(
+        cls,
+        predicted: _LeftOut,
+        scatter: Float[Array, "flight scale own own"],
+        reading: Float[Array, "flight scale own"],
+        tail: float,
+    ) -> "list[_Likelihood]":
+        """The likelihoods of flights with the same readouts, from the covariance of the scatter and the
+        variances of the residuals of each."""
+        flights, _, own = predicted.error.shape
+        precision = _precisions(tail, 1 + own)
+        diagonal = np.arange(own)
+        covariance = predicted.known[:, :, None] + scatter[:, :, None] / precision[:, :1, None]
+        covariance[..., diagonal, diagonal] += reading[:, :, None] / precision[:, 1:]
+        sharpness, log_det = inverses(covariance)
+        error = predicted.error[:, :, None, None]
+        weighed = (error @ sharpness)[..., 0, :]
+        square = (weighed * error[..., 0, :]).sum(axis=-1)
+        constant = predicted.log_weight[..., None] - log(len(precision)) - own / 2 * log(2 * pi)
+        constant = constant - 0.5 * (square + log_det)
+        coefficients = np.concatenate([sharpness[..., *np.triu_indices(own)], weighed], axis=-1)
+        flat = coefficients.reshape(flights, -1, coefficients.shape[-1])
+        return [cls(*each) for each in zip(flat, constant.reshape(flights, -1), strict=True)]
 
     def log_likelihoods(
         self, shift: Float[Array, "strength own"], spread: Float[Array, "strength own"]
@@ -244,28 +298,25 @@ class _Flight:
         """Log likelihood of the flight if a cause shifts its readouts. [nat]
 
         The inverse and determinant with the added rank of the spread v follow from those without: Sherman and
-        Morrison's formula and the matrix determinant lemma. A quadratic form in the inverse S is linear in S: all
-        strengths follow from one product of the inverses with the products of their shifts.
+        Morrison's formula and the matrix determinant lemma. A quadratic form in the inverse S is linear in S: all forms
+        of all strengths follow from one product.
         """
-        precision = _precisions(self.tail, 1 + self.error.shape[1])
-        own = self.error.shape[1]
-        diagonal = np.arange(own)
-        covariance = self.known[:, None] + self.scatter[:, None] / precision[:, :1, None]
-        covariance[..., diagonal, diagonal] += self.reading[:, None] / precision[:, 1:]
-        sharpness, log_det = inverses(covariance)
-        flat = sharpness.reshape(*sharpness.shape[:2], -1)
+        first, second = np.triu_indices(shift.shape[1])
+        of_pair = np.where(first == second, 0.5, 1.0)
 
-        def form(one: Float[Array, "strength own"], other: Float[Array, "strength own"]) -> Array:
-            return np.asarray(flat @ (one[:, :, None] * other[:, None, :]).reshape(len(one), -1).T)
+        def products(one: Float[Array, "strength own"], other: Float[Array, "strength own"]) -> Array:
+            return of_pair * (one[:, first] * other[:, second] + one[:, second] * other[:, first])
 
-        weighed = (self.error[:, None, None] @ sharpness)[:, :, 0]
-        along = weighed @ spread.T - form(shift, spread)
-        added = 1.0 + form(spread, spread)
-        square = (weighed * self.error[:, None]).sum(axis=-1)[..., None] - 2 * weighed @ shift.T + form(shift, shift)
-        constant = self.log_weight[:, None, None] - log(len(precision)) - own / 2 * log(2 * pi)
-        each = constant - 0.5 * (square - along**2 / added + np.log(added) + log_det[..., None])
-        highest = each.max(axis=(0, 1))
-        return np.asarray(highest + np.log(np.exp(each - highest).sum(axis=(0, 1))))
+        forms = (
+            np.hstack([products(shift, shift), -2 * shift]),
+            np.hstack([-products(shift, spread), spread]),
+            np.hstack([products(spread, spread), np.zeros_like(spread)]),
+        )
+        square, along, added = np.split(self.coefficients @ np.concatenate(forms).T, 3, axis=1)
+        added = added + 1.0
+        each = self.constant[:, None] - 0.5 * (square - along**2 / added + np.log(added))
+        highest = each.max(axis=0)
+        return np.asarray(highest + np.log(np.exp(each - highest).sum(axis=0)))
 
 
 @cache
@@ -280,7 +331,7 @@ def _precisions(tail: float, count: int) -> Float[Array, "draw own"]:
 
 
 def _probabilities(
-    flight: _Flight, known: Signatures, row: int, own: Int[Integers, "own"]
+    flight: _Likelihood, known: Signatures, row: int, own: Int[Integers, "own"]
 ) -> tuple[float, Float[Array, "cause"], Float[Array, "cause"], float]:
     """The probability that a flight is a usual one, that of each cause, the expected strengths, and the log of prior
     times likelihood of all causes."""

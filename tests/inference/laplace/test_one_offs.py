@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.assumed import forecast_model
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fit import fit_robustly
-from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
+from fieldkit.inference.laplace.one_offs import OneOffs, _LeftOut, _Likelihood, _precisions, one_offs
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.causes import CAUSES, NAMES, OTHER_PEAK_SD, signatures
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
@@ -261,3 +262,28 @@ def test_peaks_of_motors_of_a_class_scatter_as_the_signatures_say() -> None:
         peaks.setdefault(motor.designation[0] if motor.designation[0].isalpha() else "", []).append(float(own))
     spread = np.sqrt(np.mean([np.var(some) for some in peaks.values() if len(some) > 5]))
     assert pytest.approx(np.sqrt(2) * spread, abs=0.03) == OTHER_PEAK_SD
+
+
+def test_the_likelihood_of_a_shift_is_that_of_the_mixture_of_normal_distributions() -> None:
+    rng = np.random.default_rng(3)
+    root = rng.normal(size=(2, 3, 2, 2))
+    known, scatter = root[0] @ root[0].swapaxes(-1, -2), root[1] @ root[1].swapaxes(-1, -2)
+    reading, log_weight = np.array([[0.5, 0.7]] * 3), np.log([0.5, 0.3, 0.2])
+    predicted = _LeftOut(np.arange(3)[None], rng.normal(size=(1, 3, 2)), known[None], log_weight[None])
+    (flight,) = _Likelihood.of(predicted, scatter[None], reading[None], 4.0)
+    shift, spread = rng.normal(size=(2, 5, 2))
+    precision = _precisions(4.0, 3)
+    for strength, found in enumerate(flight.log_likelihoods(shift, spread)):
+        density = [
+            np.exp(log_weight[scale])
+            * multivariate_normal(
+                predicted.error[0, scale],
+                known[scale]
+                + scatter[scale] / own[0]
+                + np.diag(reading[scale] / own[1:])
+                + np.outer(spread[strength], spread[strength]),
+            ).pdf(shift[strength])
+            for scale in range(3)
+            for own in precision
+        ]
+        assert found == pytest.approx(np.log(sum(density) / len(precision)), abs=1e-9)
