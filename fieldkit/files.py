@@ -57,6 +57,14 @@ def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
     return content
 
 
+def first_bytes(file: Path, most: int) -> bytes:
+    """The first bytes of a plain file of unknown origin; any other is not opened, as in `read`. Raises OSError."""
+    if not stat.S_ISREG(file.stat().st_mode):
+        raise OSError(errno.EINVAL, "a folder, a pipe or a device, not a plain file")
+    with file.open("rb") as content:
+        return content.read(most)
+
+
 def read_own(file: Path) -> str:
     """The text of a small file such as the settings. Raises OSError, UnicodeDecodeError."""
     return read(file, plain=True, most=LARGEST_OWN).decode("utf-8-sig")

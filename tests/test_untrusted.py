@@ -28,6 +28,7 @@ from fieldkit.motors import own
 from fieldkit.presentation.export import csv_table
 from fieldkit.safe_text import as_cell, from_cell
 from fieldkit.services.imports import read_file
+from fieldkit.tui.imports.import_look import beginning
 from tests.effort import examples
 from tests.openrocket.test_design import design
 
@@ -135,6 +136,60 @@ def test_a_log_outside_the_folder_of_its_table_is_not_read(
     assert "expected a path inside the folder of the table" in capsys.readouterr().err
     with Ledger.open() as ledger:
         assert ledger.flights() == []
+
+
+OPENERS = {"open", "read_bytes", "read_text"}
+OF_FIELDKIT = {
+    "cli/demo.py": "what the demonstration has just written",
+    "cli/docs.py": "the manual",
+    "__init__.py": "the declaration of the project",
+    "importing/tables/flight_headings.py": "shipped headings",
+    "importing/tables/headings.py": "shipped headings",
+    "importing/tables/sheet_xml.py": "a part of an archive that is in memory",
+    "importing/tables/spreadsheet.py": "a part of an archive that is in memory",
+    "inference/network/ensemble.py": "weights, whose size and checksum are known",
+    "model/hyperprior.py": "the shipped hyperprior",
+    "motors/catalogue.py": "the shipped catalog",
+    "openrocket/archive.py": "a part of an archive that is in memory",
+    "parallel.py": "results that it saved",
+    "planning/contest.py": "shipped rules",
+    "plugins.py": "shipped cards",
+    "presentation/report/html.py": "shipped templates",
+    "reference/flights.py": "the shipped flights",
+}
+"""The modules that open files themselves, and which: none of unknown origin."""
+
+
+def _opens(module: Path) -> bool:
+    calls = [node for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]
+    owners = {"os", "Ledger", "webbrowser"}
+    return any(
+        (isinstance(call.func, ast.Name) and call.func.id == "open")
+        or (
+            isinstance(call.func, ast.Attribute)
+            and call.func.attr in OPENERS
+            and not (isinstance(call.func.value, ast.Name) and call.func.value.id in owners)
+        )
+        for call in calls
+    )
+
+
+def test_files_of_unknown_origin_are_opened_in_one_module() -> None:
+    """It refuses pipes, which block, and devices, which never end."""
+    package = ROOT / "fieldkit"
+    modules = [*package.rglob("*.py"), *(ROOT / "parsers").glob("*.py")]
+    opening = {
+        (one.relative_to(package) if one.is_relative_to(package) else one).as_posix() for one in modules if _opens(one)
+    }
+    assert opening - {"files.py"} == {*OF_FIELDKIT}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")
+def test_the_beginning_of_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    os.symlink("/dev/zero", tmp_path / "endless.csv")
+    os.symlink("loop.csv", tmp_path / "loop.csv")
+    assert [beginning(tmp_path / f"{name}.csv") for name in ("pipe", "endless", "loop")] == [(), (), ()]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")

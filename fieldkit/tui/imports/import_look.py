@@ -10,6 +10,7 @@ from pathlib import Path
 from textual.content import Content
 
 from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.files import first_bytes
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import read_changes
 from fieldkit.importing.recognize import check_format
@@ -111,8 +112,7 @@ def look_at(resources: Resources, path: Path, reading: ReadOptions) -> Look:
 def beginning(path: Path) -> tuple[str, ...]:
     """The first lines of a text file; empty for another, or if it cannot be opened."""
     try:
-        with path.open("rb") as file:
-            head = file.read(MAX_FIRST_LINES * MAX_LINE)
+        head = first_bytes(path, MAX_FIRST_LINES * MAX_LINE)
     except OSError:
         return ()
     lines = head.decode("utf-8", "replace").splitlines()[:MAX_FIRST_LINES] if b"\0" not in head else []
