@@ -35,7 +35,8 @@ def mean_acceleration(
     """A top speed divided by a burn time, net of gravity, if both have a mixture of normal distributions. [m/s^2]
 
     A burn time shorter by half doubles the acceleration, and one longer by half only reduces it by a third. So the
-    standard deviation is half of the distance from the value that 95% of the distribution are within.
+    standard deviation is half of the distance from the value that 95% of the distribution are within: more than that of
+    the usual errors, which are on the short side.
     """
     each = np.linspace(-4, 4, 161)
     lasts = np.array([burn.value + burn.sd * each for burn in burns])

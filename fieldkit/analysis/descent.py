@@ -184,7 +184,8 @@ def _from_unseen_ejection(slowest: float, height: float, lasts: float, step: flo
 
     All times are as likely, from the earliest, after which a parachute has ended the climb, to the latest: until
     ejection the rocket fell freely, and after a longer fall the braking would have been visible, unless it falls
-    between samples that are a `step` apart [s].
+    between samples that are a `step` apart [s]. Such a distribution has bounds: all of it is within two standard
+    deviations.
     """
     latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY + _BRAKED_SAMPLES * step, lasts / 2)
     after = np.linspace(-EARLIEST_CHARGE, latest, 41)

@@ -304,7 +304,9 @@ def _moved_by_pressure(ascent: Ascent, inside: Flags) -> float:
     """How far the error of the pressure in the airframe moves the time of top speed: its root mean square. [s]
 
     Heights that are low by k v²/2g show the speed v (1 - k a/g). A sudden burnout stays where it is, but thrust that
-    fades crosses zero net acceleration slowly, and the apparent crossing moves by up to k v/g.
+    fades crosses zero net acceleration slowly, and the apparent crossing moves by up to k v/g. The most probable
+    burnout has the ports' error for a sudden one only, so this is not counted twice: without it burn times are off by
+    more than their standard deviation on the recorder bench.
     """
     time, speed, acceleration = ascent.time[inside], ascent.speed[inside], ascent.acceleration[inside] / GRAVITY
     usual, *moved = (time[int(np.argmax(speed * (1 + k * acceleration)))] for k in (0.0, -STATIC_SD, STATIC_SD))

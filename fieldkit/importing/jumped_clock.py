@@ -11,18 +11,12 @@ import numpy as np
 
 from fieldkit.flight import Series
 from fieldkit.importing.reading import Note, Reading
+from fieldkit.importing.tables.clocks import COMPARED_TIMES, LEAST_SAMPLES, continues
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
 LEAST_GAP, MANY_STEPS, MOST_GAPS = 0.5, 10.0, 20
 """Shortest gap that is examined [s], also in median steps of the clock, and the largest number of them [1]."""
-COMPARED_TIMES, LEAST_SAMPLES, MOST_SAMPLES = (1.0, 0.4), 8, 200
-"""Times before and after a gap through which a parabola shows whether the heights continue: a burnout bends the longer
-one [s], and the fewest and most samples of each side. [1]"""
-MOST_CONTINUED, LEAST_MOVED = 2.0, 3.0
-"""Largest misfit of heights that continue, and smallest of those that contradict the gap, in their noise. [1]"""
-LEAST_NOISE = 0.1
-"""Smallest noise of heights. [m]"""
 
 
 def with_even_clock(reading: Reading) -> tuple[Reading, list[Note]]:
@@ -58,7 +52,7 @@ def _jump(series: Series, clocks: Sequence[Series]) -> tuple[float, float] | Non
     for gap in gaps[:MOST_GAPS].tolist():
         begin, end = float(series.time[gap]), float(series.time[gap + 1])
         silent = not any(((one.time > begin) & (one.time < end)).any() for one in clocks)
-        if silent and any(_continues(series.time, height, gap, usual, around) for around in COMPARED_TIMES):
+        if silent and any(continues(series.time, height, gap, usual, around) for around in COMPARED_TIMES):
             return begin, end - begin - usual
     return None
 
@@ -72,25 +66,3 @@ def _heights(series: Series) -> Float[Array, "row"] | None:
         if values is not None and np.isfinite(values).sum() >= 2 * LEAST_SAMPLES:
             return np.where(values > 0, pressure_height(np.abs(values)), np.nan) if name == "pressure" else values
     return None
-
-
-def _continues(time: Float[Array, "row"], height: Float[Array, "row"], gap: int, step: float, around: float) -> bool:
-    """Whether heights continue after a gap as if it were one step [s], and not as if it were as long as it seems, by
-    those `around` it [s]."""
-    known = np.isfinite(height) & np.isfinite(time)
-    before = np.flatnonzero(known & (time <= time[gap]) & (time > time[gap] - around))[-MOST_SAMPLES:]
-    after = np.flatnonzero(known & (time >= time[gap + 1]) & (time < time[gap + 1] + around))[:MOST_SAMPLES]
-    if min(before.size, after.size) < LEAST_SAMPLES:
-        return False
-    there = np.append(before, after)
-    since, shown = time[there] - time[gap], height[there]
-    closed = since - np.where(since > 0, time[gap + 1] - time[gap] - step, 0.0)
-    parts = [_misfit(since[one], shown[one]) for one in (np.s_[: before.size], np.s_[before.size :])]
-    noise = max(float(np.linalg.norm(parts)) / float(np.sqrt(2)), LEAST_NOISE)
-    return _misfit(closed, shown) < MOST_CONTINUED * noise and _misfit(since, shown) > LEAST_MOVED * noise
-
-
-def _misfit(since: Float[Array, "sample"], height: Float[Array, "sample"]) -> float:
-    """Standard deviation of heights from their parabola. [m]"""
-    left = height - np.polyval(np.polyfit(since, height, 2), since)
-    return float(np.sqrt((left**2).sum() / max(since.size - 3, 1)))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis.initial_guess import THRUST_DECREASE, boost
+from fieldkit.analysis.liftoff import _IGNITION
 from fieldkit.analysis.process_noise import THRUST_NOISE, THRUST_NOISE_SPREAD
 from fieldkit.motors import catalogue
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -37,6 +38,21 @@ def test_the_typical_thrust_agrees_with_the_catalog() -> None:
     assert quantiles(np.array(decreases), weights, [0.5])[0] == pytest.approx(THRUST_DECREASE, abs=0.01)
     assert np.exp(middle) == pytest.approx(THRUST_NOISE, abs=0.01)
     assert (high - low) / NORMAL_RANGE == pytest.approx(THRUST_NOISE_SPREAD, abs=0.05)
+
+
+def test_the_rise_of_thrust_agrees_with_the_catalog() -> None:
+    """From the weight of a rocket of an eighth of the mean thrust to a fifth of the mean net thrust."""
+    rises, classes = [], []
+    for motor in catalogue().motors:
+        time = np.linspace(0, min(motor.burnout, 1.0), 2001)
+        thrust = np.interp(time, motor.time, motor.thrust)
+        mean = np.trapezoid(motor.thrust, motor.time) / motor.burnout
+        bars = mean / 8, mean / 8 + 0.2 * (mean - mean / 8)
+        rises.append(float(np.diff([time[int(np.argmax(thrust > bar))] for bar in bars])[0]))
+        classes.append(motor.impulse_class)
+    weights = 1 / np.array([classes.count(one) for one in classes])
+    assert np.sqrt(np.average(np.square(rises), weights=weights)) == pytest.approx(_IGNITION, abs=0.005)
+    assert np.median(rises) < _IGNITION / 3
 
 
 def test_a_typical_boost_reaches_its_top_speed() -> None:

@@ -8,6 +8,7 @@ import pytest
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
 from fieldkit.importing.jumped_clock import with_even_clock
+from fieldkit.importing.read import read
 from tests.analysis.recordings import SMALL, Logger, fly, log
 from tests.samples import any_motor
 
@@ -49,8 +50,6 @@ def test_samples_of_another_sensor_show_that_the_clock_ran_on() -> None:
 
 
 def test_the_imported_flight_has_the_right_times() -> None:
-    from fieldkit.importing.read import read
-
     series = flight()
     rows = zip(series.time + np.where(series.time > 4, 3.0, 0.0), np.asarray(series.altitude), strict=True)
     text = "time (s),altitude (m)\n" + "".join(f"{t:.3f},{h:.2f}\n" for t, h in rows)
@@ -59,3 +58,24 @@ def test_the_imported_flight_has_the_right_times() -> None:
     assert recorded is not None
     assert abs(recorded.figures["coast_to_apogee"].value - flown(SMALL).readouts()["coast_to_apogee"]) < 0.6
     assert any("the clock jumps by 3.0 s" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("when", [0.6, 4.0, 30.0])
+def test_a_clock_that_is_set_back_in_the_air_begins_no_flight(when: float) -> None:
+    series = flight()
+    rows = zip(series.time - np.where(series.time > when, 3.0, 0.0), np.asarray(series.altitude), strict=True)
+    text = "time (s),altitude (m)\n" + "".join(f"{t:.3f},{h:.2f}\n" for t, h in rows)
+    found = read(text.encode(), "log.csv", any_motor)
+    (recorded,) = found.recorded
+    assert recorded is not None
+    for name in ("coast_to_apogee", "duration"):
+        assert abs(recorded.figures[name].value - flown(SMALL).readouts()[name]) < 0.6
+    assert any("the clock is set back by 3.0 s" in note for note in found.notes)
+
+
+def test_a_clock_that_restarts_at_rest_begins_a_flight() -> None:
+    series = flight()
+    rows = [f"{t:.3f},{h:.2f}\n" for t, h in zip(series.time, np.asarray(series.altitude), strict=True)]
+    other = [f"{t:.3f},{0.9 * h:.2f}\n" for t, h in zip(series.time, np.asarray(series.altitude), strict=True)]
+    found = read(("time (s),altitude (m)\n" + "".join(rows + other)).encode(), "log.csv", any_motor)
+    assert len(found.flights) == 2

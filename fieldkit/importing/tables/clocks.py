@@ -12,6 +12,14 @@ TWO_DAYS = 172_800.0
 MAX_CLOCK = 1e11
 """Largest time that any logger counts to, even from 1970. [s]"""
 
+COMPARED_TIMES, LEAST_SAMPLES, MOST_SAMPLES = (2.0, 1.0, 0.4), 8, 200
+"""Times before and after a gap through which a parabola shows whether the heights continue: a burnout bends the longer
+ones [s], and the fewest and most samples of each side. [1]"""
+MOST_CONTINUED, LEAST_MOVED = 2.0, 3.0
+"""Largest misfit of heights that continue, and smallest of those that contradict the gap, in their noise. [1]"""
+LEAST_NOISE = 0.1
+"""Smallest noise of heights. [m]"""
+
 
 def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
     """Largest set of rows in which the clock [s] never runs backward and contains no time that is days away."""
@@ -84,3 +92,25 @@ def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:
     known = np.flatnonzero(np.abs(time) < MAX_CLOCK)
     _, first = np.unique(time[known], return_index=True)
     return tuple(column[known[first]] for column in columns)
+
+
+def continues(time: Float[Array, "row"], height: Float[Array, "row"], gap: int, step: float, around: float) -> bool:
+    """Whether heights continue after a gap as if it were one step [s], and not as if it were as long as it seems, by
+    those `around` it [s]."""
+    known = np.isfinite(height) & np.isfinite(time)
+    before = np.flatnonzero(known & (time <= time[gap]) & (time > time[gap] - around))[-MOST_SAMPLES:]
+    after = np.flatnonzero(known & (time >= time[gap + 1]) & (time < time[gap + 1] + around))[:MOST_SAMPLES]
+    if min(before.size, after.size) < LEAST_SAMPLES:
+        return False
+    there = np.append(before, after)
+    since, shown = time[there] - time[gap], height[there]
+    closed = since - np.where(since > 0, time[gap + 1] - time[gap] - step, 0.0)
+    parts = [_misfit(since[one], shown[one]) for one in (np.s_[: before.size], np.s_[before.size :])]
+    noise = max(float(np.linalg.norm(parts)) / float(np.sqrt(2)), LEAST_NOISE)
+    return _misfit(closed, shown) < MOST_CONTINUED * noise and _misfit(since, shown) > LEAST_MOVED * noise
+
+
+def _misfit(since: Float[Array, "sample"], height: Float[Array, "sample"]) -> float:
+    """Standard deviation of heights from their parabola. [m]"""
+    left = height - np.polyval(np.polyfit(since, height, 2), since)
+    return float(np.sqrt((left**2).sum() / max(since.size - 3, 1)))

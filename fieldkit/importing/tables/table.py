@@ -10,11 +10,16 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing.reading import MOST_FLIGHTS, Note, Parsed
-from fieldkit.importing.tables.clocks import credible, restarts
+from fieldkit.importing.tables.clocks import COMPARED_TIMES, MOST_SAMPLES, continues, credible, restarts
 from fieldkit.importing.tables.damage import MAX_REPORTED
+from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 
+_HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl")
+"""Channels that show whether a rocket moves, besides the pressure."""
+_PAUSE = 3.0
+"""Time that a rocket cannot spend between two rows if its heights continue. [s]"""
 _LEAST_DOUBLED = 3
 """Fewest rows that are a block written twice. [1]"""
 _UNIQUE, _LONGEST_STEP, _MIXED_STEPS = 0.99, 5.0, 0.2
@@ -81,6 +86,13 @@ class LogTable:
         if 0 < len(restarted) < MOST_FLIGHTS and (doubled := _doubled(self, restarted)).any():
             found.append(Note(f"repeats {counted(int(doubled.sum()), 'row')}, read once", int(self.rows[doubled][0])))
             return replace(self.pick(~doubled), found=tuple(found)).flights(clock)
+        if 0 < len(restarted) < MOST_FLIGHTS and (set_back := self._set_back(clock, restarted)) is not None:
+            row, shift = set_back
+            when = int(self.rows[row])
+            found.append(Note(f"the clock is set back by {shift:.1f} s, which no height shows: it runs on", when))
+            later = np.arange(len(self)) >= row
+            values = {**self.values, clock: self.values[clock] + np.where(later, shift, 0.0)}
+            return replace(self, values=values, found=tuple(found)).flights(clock)
         if restarted and (order := _shuffled(self.values[clock])) is not None:
             found.append(Note("has rows out of order, sorted by its clock", int(self.rows[restarted[0]])))
             whole, restarted = self.pick(order), []
@@ -105,6 +117,29 @@ class LogTable:
             times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
             found.append(Note(f"repeats an earlier flight of this file{times}, imported once", repeated[0]))
         return list(parts.values()), found
+
+    def _set_back(self, clock: str, restarted: Sequence[int]) -> tuple[int, float] | None:
+        """The first row at which a clock is set back while its rocket moves on through the air, and by how much [s];
+        None if there is none: a flight begins at rest."""
+        pressure = self.get("pressure")
+        height = next((found for name in _HEIGHTS if (found := self.get(name)) is not None), None)
+        if height is None and pressure is not None:
+            height = np.where(pressure > 0, pressure_height(np.abs(pressure)), np.nan)
+        if height is None:
+            return None
+        for row in restarted:
+            begin, time = max(row - MOST_SAMPLES, 0), self.values[clock]
+            step = float(np.median(np.diff(time[begin:row])))
+            shift = float(time[row - 1] - time[row]) + step
+            near = time[begin : row + MOST_SAMPLES] + np.where(
+                np.arange(begin, min(row + MOST_SAMPLES, len(self))) >= row, shift + _PAUSE, 0.0
+            )
+            if any(
+                continues(near, height[begin : row + MOST_SAMPLES], row - 1 - begin, step, one)
+                for one in COMPARED_TIMES
+            ):
+                return row, shift
+        return None
 
 
 def _shuffled(clock: Float[Array, "row"]) -> Int[Integers, "row"] | None:
