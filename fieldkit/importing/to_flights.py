@@ -11,7 +11,7 @@ from fieldkit.flight.further_units import LIFT_OFF_MASS, in_own_units
 from fieldkit.flight.limits import check
 from fieldkit.flight.plan import check_plan
 from fieldkit.flight.plausibility import doubts
-from fieldkit.flight.storable import check_keys, check_texts, long_names
+from fieldkit.flight.storable import NAMES, check_keys, check_name, check_texts, long_names
 from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
@@ -133,12 +133,19 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
 
 def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
     """The planned flight that a reading describes, without readouts. Raises DamagedLog for an impossible value, for
-    one of `check_plan` that cannot be read, or if its motor is missing or unknown."""
+    one of `check_plan` that cannot be read, for a name that no table can show, or if its motor is missing or unknown.
+    """
     flight = _weighed(_flight(reading), reading)
     if not flight.motor:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
+    for name in NAMES:
+        try:
+            check_name(getattr(flight, name))
+        except BadValue as error:
+            raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
     _check_motor(flight, reading, check_motor)
     try:
+        check_texts(flight)
         check_plan(flight)
     except BadValue as error:
         raise DamagedLog(message(marked(error)), row=reading.row) from error

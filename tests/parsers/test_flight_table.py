@@ -424,6 +424,14 @@ def test_a_plan_that_cannot_be_read_is_named_by_its_row(cells: str, found: str) 
         read_plans(table.encode(), "plans.csv", any_motor)
 
 
+@pytest.mark.parametrize("name", ["flight_id", "rocket", "config", "site"])
+def test_a_plan_with_a_name_that_no_table_shows_is_refused(name: str) -> None:
+    table = f"motor,{name}\nC6-5,fine\nC6-5,{'x' * 100_000}\n"
+    with pytest.raises(DamagedLog, match=f"plans.csv, row 3, {name}: found 'xxx.*expected at most 200") as refused:
+        read_plans(table.encode(), "plans.csv", any_motor)
+    assert len(str(refused.value)) < 200
+
+
 def test_columns_with_common_other_names_are_read_and_not_kept_as_extra() -> None:
     one = flight(
         "Rocket name,Engine,Wind speed (mph),Max altitude (ft),Flight duration (s),Rod_length_m,Mood",
