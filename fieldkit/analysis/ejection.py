@@ -27,6 +27,8 @@ _SHOCK = 4 * GRAVITY
 """An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
 _AT_ITS_END = 0.999
 """Fraction of the end of a range above which an accelerometer is saturated. [1]"""
+_CLIMB_LEFT = 3.0
+"""Longest climb after a charge: even under a streamer that falls at v = 15 m/s drag ends it within pi/2 v/g. [s]"""
 _RISE, _CHARGE_LASTS = 0.02, 0.02
 """Longest rise time of a shock: the charge fired anything up to that earlier; and for how long the gas of a charge
 pushes the airframe (in four real logs of 100 samples per second one or two samples show it). [s]"""
@@ -54,7 +56,7 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     was saturated in the boost shows no more of a shock than the end of its range."""
     if push is None or push.vertical:
         return None
-    near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
+    near = (push.time > max(burnout + 0.7, top - _CLIMB_LEFT)) & (push.time < top + 15)
     time, felt = push.time[near], push.felt[near]
     if time.size < 8:
         return None

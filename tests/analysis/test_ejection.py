@@ -79,3 +79,13 @@ def test_a_fall_that_a_main_brakes_later_was_not_free(sink: float) -> None:
     for seed in (1, 2, 3):
         found = measure(log(truth, Logger(rate=10.0, resolution=1.0), np.random.default_rng(seed)))
         assert "ejection" not in found.events
+
+
+def test_thrust_before_a_long_climb_is_no_charge() -> None:
+    """A log that begins in the boost shows no burnout, and the end of thrust may look like a shock."""
+    truth = ejecting(SMALL, 1.2)
+    heights, felt = log(truth, Logger(accelerometer=100.0, late=0.4), np.random.default_rng(1))
+    time = felt.time - BEGINS
+    pulse = np.where(np.abs(time - truth.apogee_time + 6.0) < 0.03, 20 * GRAVITY, 0.0)
+    recorded = measure((heights, replace(felt, felt=felt.felt + pulse)))
+    assert abs(recorded.figures["apogee_to_eject"].value - truth.readouts()["apogee_to_eject"]) < 0.3
