@@ -28,7 +28,7 @@ def go_on() -> None:
     needed."""
     worker = get_current_worker()
     if not worker.is_cancelled:
-        cast(Host, worker.node.app).computing.give_way()
+        cast(Host, worker.node.app).computing.give_way(lambda: worker.is_cancelled)
     if worker.is_cancelled:
         raise Dropped
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.computing import Turn
+from fieldkit.tui.computing import MAX_PAUSED, Turn
 from fieldkit.tui.loop import loop_page
 from tests.pressing import opened, press, season
 
@@ -41,6 +41,64 @@ async def test_one_large_computation_runs_at_a_time_and_gives_way_between_its_st
     dropped.cancel()
     await asyncio.gather(first, turn.compute(lambda: done.append("short")))
     assert done == ["short", "long"]
+
+
+def stepping(turn: Turn, name: str, states: dict[str, str], dropped: threading.Event | None = None) -> Any:
+    """A computation that gives way until its state is `end` or it is dropped."""
+
+    def work() -> None:
+        states[name] = "runs"
+        ends = time.monotonic() + PATIENCE
+        while states[name] != "end" and time.monotonic() < ends:
+            turn.give_way(dropped.is_set if dropped is not None else lambda: False)
+            if dropped is not None and dropped.is_set():
+                break
+        states[name] = "ended"
+
+    return work
+
+
+async def until(states: dict[str, str], name: str, state: str) -> None:
+    """Wait until a computation has a state."""
+    while states.get(name) != state:
+        await asyncio.sleep(0.01)
+
+
+async def test_a_computation_that_gave_way_ends_when_it_is_dropped_and_does_not_wait_for_its_turn() -> None:
+    turn, states, dropped = Turn(), dict[str, str](), threading.Event()
+    first = asyncio.ensure_future(turn.compute(stepping(turn, "first", states, dropped)))
+    await until(states, "first", "runs")
+    second = asyncio.ensure_future(turn.compute(stepping(turn, "second", states)))
+    await until(states, "second", "runs")
+    dropped.set()
+    await first
+    assert states == {"first": "ended", "second": "runs"}
+    third = asyncio.ensure_future(turn.compute(stepping(turn, "third", states)))
+    await until(states, "third", "runs")
+    states["third"] = "end"
+    await third
+    states["second"] = "end"
+    await second
+
+
+async def test_no_more_computations_give_way_than_may_keep_their_memory() -> None:
+    turn, states = Turn(), dict[str, str]()
+    asked = []
+    for n in range(MAX_PAUSED + 1):
+        asked.append(asyncio.ensure_future(turn.compute(stepping(turn, str(n), states))))
+        await until(states, str(n), "runs")
+    last = asyncio.ensure_future(turn.compute(stepping(turn, "last", states)))
+    await asyncio.sleep(0.2)
+    assert "last" not in states
+    states[str(MAX_PAUSED)] = "end"
+    states["last"] = "end"
+    for n in range(MAX_PAUSED):
+        await until(states, str(n), "runs")
+        states[str(n)] = "end"
+    await asyncio.gather(*asked[:-1])
+    await until(states, "last", "runs")
+    states["last"] = "end"
+    await asyncio.gather(*asked, last)
 
 
 async def test_a_long_computation_returns_free_memory_between_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:

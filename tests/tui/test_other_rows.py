@@ -363,3 +363,15 @@ async def test_the_loop_says_before_a_search_what_it_would_compare(file: Path) -
         assert "not recorded pressure" in words(pilot)
         await press(pilot, "A")  # nothing was found yet
         assert "Press S" in words(pilot)
+
+
+async def test_a_first_rocket_replaces_the_note_that_there_are_no_flights(tmp_path: Path) -> None:
+    async with opened(tmp_path / "ledger.db", page="loop") as pilot:
+        await press(pilot, "_")
+        assert "No flights yet" in words(pilot)
+        with Ledger.open(tmp_path / "ledger.db") as ledger:
+            ledger.add([Flight(str(n), "Lark", motor="F24-4W", dry_mass=0.3, apogee=200.0 + n) for n in range(4)])
+        pilot.app.changed()
+        await press(pilot, "_")
+        assert "What would be compared" in words(pilot)
+        assert "No flights yet" not in words(pilot)

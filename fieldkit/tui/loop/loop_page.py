@@ -190,6 +190,8 @@ class LoopScreen(PageScreen):
             self._drop_search(NO_FLIGHTS)
             return
         before = self._standing
+        if before is None:
+            self.panels.forget()  # that there were no flights
         changed = before is not None and before.flights != standing.flights
         if changed and not self._tagging and (self._search or self.panels.found):
             self._drop_search("The flights have changed. S to search again")
