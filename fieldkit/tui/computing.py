@@ -21,14 +21,14 @@ GIVE_BACK_INTERVAL = 0.25
 
 class Turn:
     """A turn that one computation has; the others wait, and one that is no longer needed leaves the queue, even if it
-    has begun."""
+    has started."""
 
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
         self._owner: object = None
         """The computation that has the turn."""
         self._waiting = self._paused = 0
-        """Numbers of computations that have not begun, and of those that have given way."""
+        """Numbers of computations that have not started, and of those that have given way."""
         self._given_back = 0.0
         """When memory was last returned. [s]"""
         self._thread: int | None = None

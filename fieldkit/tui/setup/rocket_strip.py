@@ -50,7 +50,7 @@ class WholeBlocks(Static):
         from fieldkit.tui.widgets.hanging import stacked  # imported with the facts
 
         fitting, (width, height) = list(self._blocks), self.content_size
-        while fitting and (not width or stacked(fitting).get_height(RulesMap(), width) > height):
+        while width and fitting and stacked(fitting).get_height(RulesMap(), width) > height:
             fitting.pop()
         self.update(stacked(fitting), layout=False)
 
