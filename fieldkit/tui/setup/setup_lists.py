@@ -37,6 +37,8 @@ class ListContents(NamedTuple):
     def matching(self, text: str) -> "ListContents":
         """The rows that have all words of a text."""
         words = text.casefold().split()
+        if not words:
+            return self  # without the cells of every row
         rows = ((key, " ".join(self.cells(key)).casefold()) for key in self.keys)
         return self._replace(keys=[key for key, row in rows if all(word in row for word in words)])
 
