@@ -300,6 +300,8 @@ def _fingerprints(found: Findings) -> Iterator[str]:
         "peak_accel": "peak",
         "coast_to_apogee": "coast",
         "apogee_to_eject": "eject s",
+        "coast_drag": "drag",
+        "burn_impulse": "impulse",
     }
     names = [row.readout for row in found.spreads]
     yield f"  {'miss / expected scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:8]):>9}" for n in names)

@@ -1,7 +1,8 @@
 """Entering a flight on the screen: few keys, nothing is lost, nothing is refused before saving."""
 
 import asyncio
-from datetime import UTC, datetime, tzinfo
+from datetime import UTC, datetime, timedelta, tzinfo
+from itertools import count
 from pathlib import Path
 from threading import Event
 from unittest.mock import patch
@@ -322,16 +323,17 @@ async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(
 async def test_a_second_flight_like_one_of_today_is_questioned_before_it_is_saved(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    minute = datetime.now().replace(second=0, microsecond=0)
+    start, calls = datetime.now().replace(second=0, microsecond=0), count()
 
     class Clock(datetime):
-        """Both flights are entered within a minute, also if the test is not."""
+        """The two flights are entered minutes apart."""
 
         @classmethod
         def now(cls, tz: tzinfo | None = None) -> datetime:  # type: ignore[override]
-            return minute
+            return start + timedelta(minutes=next(calls))
 
-    monkeypatch.setattr("fieldkit.services.manual_entry.datetime", Clock)
+    for module in ("fieldkit.services.manual_entry", "fieldkit.importing.manual_entry"):
+        monkeypatch.setattr(f"{module}.datetime", Clock)
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("281m"), "ctrl+s", "_", "enter", *typed("281m"), "ctrl+s")
         assert "has the same values" in words(pilot)

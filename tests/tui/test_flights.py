@@ -544,6 +544,9 @@ async def test_the_pages_have_such_a_scrollbar(file: Path) -> None:
 async def test_a_low_strip_shows_whole_blocks_of_the_rocket(file: Path) -> None:
     async with opened(file, (120, 36)) as pilot:
         await press(pilot, "end", "enter", "_")
+        while not pilot.app.screen.query_one("RocketStrip Static").content_size:
+            await pilot.pause()
+        await press(pilot, "_")
         assert "a sketch" in text_of(pilot, "RocketStrip Static")
         assert "Motors it flew on" not in text_of(pilot, "RocketStrip Static"), "it would be cut"
         await pilot.resize_terminal(120, 90)

@@ -123,10 +123,13 @@ class Saved:
 
 
 def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
-    """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`."""
+    """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`. A flight of `TODAY`
+    has no time yet: it gets that at which it is saved."""
     flight, wrong, lift_off = Flight(), dict[str, str](), None
     for name, text in texts.items():
         try:
+            if name == DATE.name and text.strip().casefold() == TODAY:
+                continue
             if name == LIFT_OFF_MASS.name:
                 lift_off = read_lift_off_mass(text, units.get(name, ""))
                 continue
